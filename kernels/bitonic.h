@@ -1,5 +1,5 @@
-/* Bitonic sort of signed 64-bit keys: on a CPU by one work-item on vectors of eight with min and max (6 times faster in PoCL
- * than the version with barriers: DESIGN 3.5), on a GPU by a work-group. */
+/* Bitonic sort of signed 64-bit keys. On a CPU one work-item sorts vectors of eight keys with min and max, 6 times faster in
+ * PoCL than the version with barriers. On a GPU a work-group sorts. */
 #ifndef TD_BITONIC_H
 #define TD_BITONIC_H
 
@@ -7,7 +7,7 @@
 
 #if TD_LANES > 1
 
-/* Keys that are sorted for `count`: whole runs of 64, or a power of two, at least one vector's. */
+/* How many keys are sorted for a list of `count`: one vector of 8, 16 or 32 keys, or a multiple of 64 keys. */
 static int td_capacity(int count) {
     if (count > 32) return (count + 63) / 64 * 64;
     return count > 16 ? 32 : count > 8 ? 16 : 8;
@@ -39,7 +39,8 @@ static long8 td_clean_8(long8 x) {
     return (long8)(low.s0, high.s1, low.s2, high.s3, low.s4, high.s5, low.s6, high.s7);
 }
 
-/* Puts vectors in order, lane by lane; then with the second one's lanes mirrored, which begins a merge of ascending runs. */
+/* TD_ORDER puts two vectors in order, lane by lane. TD_MIRROR mirrors the lanes of the second vector first, which begins a
+ * merge of two ascending runs. */
 #define TD_ORDER(a, b)         \
     do {                       \
         long8 low = min(a, b); \
@@ -53,8 +54,8 @@ static long8 td_clean_8(long8 x) {
         b = high.s76543210;                              \
     } while (0)
 
-/* Runs of 64 are eight vectors that stay in registers: written out, since loops would keep an array in memory (layout.h). Half
- * of what the network writes otherwise is in them, and on Zen 4 a store of 512 bits takes two cycles. */
+/* Runs of 64 keys are eight vectors that stay in registers. They are written out, because PoCL keeps an array that a loop goes
+ * through in memory. They save half of the network's stores, and on Zen 4 a store of 512 bits takes two cycles. */
 #define TD_EACH_8(at) at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)
 #define TD_LOAD_KEYS(i) v##i = vload8(i, keys)
 #define TD_STORE_KEYS(i) vstore8(v##i, i, keys)
@@ -93,8 +94,8 @@ static void td_clean_64(__global long *keys) {
     TD_EACH_8(TD_STORE_KEYS);
 }
 
-/* Compares each key with its mirror image in runs of k: the first level of a merge of two ascending runs. Keys behind the n
- * would be larger than all of them, and stay there: they aren't compared. */
+/* Compares each key with its mirror image in runs of k keys: the first level of a merge of two ascending runs. Where the last
+ * run ends beyond n, partners that would lie behind n count as larger than all keys and aren't compared. */
 static void td_flip(__global long *keys, int n, int k) {
     for (int run = 0; run < n; run += k)
         for (int i = max(run + k - n, 0); i < k / 2; i += 8) {
@@ -115,7 +116,7 @@ static void td_clean(__global long *keys, int n, int stride) {
         }
 }
 
-/* Up to 32. */
+/* Sorts n = 8, 16 or 32 keys. */
 static void td_sort_short(__global long *keys, int n) {
     for (int i = 0; i < n; i += 8) vstore8(td_sort_8(vload8(0, keys + i)), 0, keys + i);
     for (int k = 16; k <= n; k *= 2) {
@@ -125,7 +126,7 @@ static void td_sort_short(__global long *keys, int n) {
     }
 }
 
-/* n: td_capacity of their number, filled up with TD_LAST_KEY. */
+/* Sorts n keys. n is td_capacity of their number, and unused places hold TD_LAST_KEY. */
 static void td_bitonic_sort(__global long *keys, int n) {
     if (n < 64) {
         td_sort_short(keys, n);
@@ -161,7 +162,8 @@ static void td_bitonic_level(__global long *keys, int n, int stride, int flip) {
     barrier(CLK_GLOBAL_MEM_FENCE);
 }
 
-/* Sorts keys by the whole work-group, whose writes of the keys are done; n as above. */
+/* Sorts n keys by the whole work-group, whose writes of the keys are done. n is td_capacity of their number, and unused places
+ * hold TD_LAST_KEY. */
 static void td_bitonic_sort(__global long *keys, int n) {
     for (int k = 2; k <= n; k *= 2) {
         td_bitonic_level(keys, n, k / 2, 1);

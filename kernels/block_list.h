@@ -1,34 +1,35 @@
-/* The splats of one 4x4 block, front to back, found in its tile's list TD_LANES at a time by the list's words: what the block
- * skips costs next to nothing, and what lies between one splat and the next is worked out for all of a group at once. */
+/* The splats of one 4x4 block, front to back. They are found in the list of the block's tile by a word of bits for each block
+ * and 32 places of the list. What the block skips costs next to nothing. Distances in depth are computed for a whole group of
+ * splats at once. */
 #ifndef TD_BLOCK_LIST_H
 #define TD_BLOCK_LIST_H
 
 #include "block_words.h"
 #include "transpose.h"
 
-/* A sorted job as the compositor reads it. */
+/* A tile job's list of splats in order of depth, as the compositor reads it. */
 typedef struct td_list {
-    TD_GLOBAL const td_real *records, *colours; /* of the job */
-    TD_GLOBAL const int *order;                 /* front to back: where in the records */
-    TD_GLOBAL const int *masks;                 /* blocks touched and depth_low, in the same order */
-    TD_GLOBAL const int *words;                 /* the same by blocks (block_words.h) */
+    TD_GLOBAL const td_real *records, *colours; /* of the job's splats, TD_RECORD_STRIDE and td_colour_stride reals each */
+    TD_GLOBAL const int *order;                 /* front to back: numbers of records */
+    TD_GLOBAL const int *masks;                 /* in the same order: blocks touched, and the low part of depth */
+    TD_GLOBAL const int *words;                 /* bits of `masks`, by blocks (block_words.h) */
     int count;
     td_real brightest;                /* largest |luminance| in the list and behind it; with a decoder, largest |feature| */
-    TD_GLOBAL const td_view *view;    /* the first object's, and the decoder's weights: for a decoder only */
+    TD_GLOBAL const td_view *view;    /* the first object's view, and the decoder's weights: for a decoder only */
     TD_GLOBAL const td_real *weights; /* (TD_DECODER_REALS) */
 } td_list;
 
-/* Splats that are found, and whose ways from one to the next are measured, together. */
+/* Splats that are handed out together, a group: the distances in depth from each of them to the next are computed at once. */
 enum { TD_GROUP = TD_LANES > 1 ? 2 * TD_LANES : 1 };
 
 /* Up to TD_GROUP splats that follow each other, and the one behind them. */
 typedef struct td_group {
-    int count;              /* of splats */
-    int followed;           /* 1: there's one behind */
-    const int *place, *row; /* (TD_GROUP + 1) in the list, and of the records; a vector goes on as the last one does */
+    int count;              /* number of splats */
+    int followed;           /* 1: the list has a splat behind the group */
+    const int *place, *row; /* (TD_GROUP + 1) places in the list, and records; the last one fills up vectors */
 } td_group;
 
-/* Where a batch's sorted job has its list; records, and what is to be seen of them, are the caller's to say. */
+/* Sets the list of job `job_index` of a batch. The caller sets `records`, `colours` and what depends on the image. */
 TD_INLINE void td_list_lay(td_list *list, const td_job *job, int job_index, TD_GLOBAL const int *order,
                            TD_GLOBAL const int *masks, TD_GLOBAL const int *words, TD_GLOBAL const int *counts) {
     list->order = order + job->records;
@@ -47,7 +48,7 @@ TD_INLINE TD_GLOBAL const td_real *td_list_colour(const td_list *list, const td_
 #if TD_LANES == 1
 
 typedef struct td_finder {
-    int at, next; /* the word in hand; the first place not given out, the list's count where there is none */
+    int at, next; /* the current word; the first place not handed out, or the list's count */
     uint32_t word;
     int place[TD_LANES + 1], row[TD_LANES + 1];
 } td_finder;
@@ -82,12 +83,13 @@ TD_INLINE void td_next_group(const td_list *list, const td_image *image, int blo
 
 #else
 
-/* A group and what is behind it, and as many more: their records are on their way. Words are found whole, and groups moved. */
+/* Room for a group, the splat behind it, and as many more, whose records are being prefetched. Words are taken whole, and
+ * groups move to the front, so that the arrays need some places more. */
 enum { TD_FOUND = 2 * TD_GROUP + 1, TD_FOUND_MOST = TD_FOUND + 2 * TD_WORD_PLACES + TD_PUT + TD_GROUP };
 
 typedef struct td_finder {
     int at, words;         /* the next word, and how many there are */
-    int begin, end, given; /* found are [begin, end), of which the first `given` are the last group */
+    int begin, end, given; /* places found are [begin, end); the first `given` of them are the last group */
     int place[TD_FOUND_MOST], row[TD_FOUND_MOST];
 } td_finder;
 

@@ -1,5 +1,6 @@
-/* A sorted list by blocks: for every 32 places of the list, and every block of the tile, a word with a bit for each splat that
- * touches the block. Sixteen blocks that each went through the masks of thousands of splats took more time than compositing. */
+/* A sorted list by blocks: for every 32 places of the list and every block of the tile, a word with a bit for each splat that
+ * touches the block. Without them each of the sixteen blocks would go through the masks of all splats, thousands of them, which
+ * took more time than compositing. */
 #ifndef TD_BLOCK_WORDS_H
 #define TD_BLOCK_WORDS_H
 
@@ -13,7 +14,7 @@ enum { TD_WORD_PLACES = 32 };
 
 TD_INLINE int td_words_of(int count) { return (count + TD_WORD_PLACES - 1) / TD_WORD_PLACES; }
 
-/* Where a job's words begin. Behind the last there is room for a row that is read, but not used. */
+/* Where a job's words begin. Behind its last word there is room for one more row of words, which may be read and isn't used. */
 TD_INLINE int td_first_word(int records, int job) {
     return (records / TD_WORD_PLACES + 2 * job) * TD_TILE_BLOCKS; /* records are rounded down, words up */
 }
@@ -22,7 +23,7 @@ TD_INLINE uint32_t td_word_at(TD_GLOBAL const int *words, int at, int block) {
     return (uint32_t)words[at * TD_TILE_BLOCKS + block];
 }
 
-/* The lowest set bit's place; for 0 anything. */
+/* The place of the lowest bit that is set. The result for 0 isn't used. */
 TD_INLINE int td_lowest_bit(uint32_t x) {
 #ifdef TD_OPENCL
     return 31 - (int)clz(x & -x);
@@ -36,15 +37,16 @@ TD_INLINE int td_lowest_bit(uint32_t x) {
 }
 
 #if TD_LANES > 1
-enum { TD_PUT = 4 }; /* places written at once, whether there are as many or not: fewer branches go wrong */
+enum { TD_PUT = 4 }; /* places written at once, also where there are fewer: fewer branches are mispredicted */
 
-/* Word `at` and the one behind it, of `count`. */
+/* Word `at` of a block in the lower half, and the next word in the upper half, 0 where there is none of `count`. */
 TD_INLINE ulong td_words_at(TD_GLOBAL const int *words, int at, int count, int block) {
     uint32_t second = at + 1 < count ? td_word_at(words, at + 1, block) : 0;
     return td_word_at(words, at, block) | (ulong)second << TD_WORD_PLACES;
 }
 
-/* The places of a word's bits, of which the lowest is `first`; returns how many. TD_PUT - 1 more may be written. */
+/* Writes the places of the bits of `word`, whose lowest bit is place `first`, and returns how many. Up to TD_PUT - 1 more
+ * entries are written. */
 TD_INLINE int td_put_places(ulong word, int first, int *place) {
     int count = __builtin_popcountl(word), put = 0;
     do {
@@ -55,7 +57,7 @@ TD_INLINE int td_put_places(ulong word, int first, int *place) {
 }
 #endif
 
-/* Words of blocks [first, first + TD_LANES): of each mask a bit for each block. */
+/* Words of blocks [first, first + TD_LANES): a bit for each of up to 32 masks. */
 TD_INLINE td_index td_lay_word(TD_GLOBAL const int *masks, int count, int first) {
     td_index block = td_count_from(first), none = block & 0, bits = none;
     for (int k = 0; k < count; k++) {

@@ -1,5 +1,5 @@
-/* One work-item per TD_LANES pixels of a 4x4 block that is asked for (block.h): block `asked` & 15 of job `asked` >> 4. Planes
- * of one block stand together, TD_BLOCK_PIXELS each. */
+/* One work-item composites TD_LANES pixels of a 4x4 block. Entry `asked` names block `asked` & 15 of job `asked` >> 4. A
+ * block's planes are stored together, TD_BLOCK_PIXELS values each. */
 #include "block.h"
 
 TD_APART int td_composite_apart(__constant const td_image *image_buffer, __global const td_job *at, const td_list *lists,
@@ -20,7 +20,7 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
     const td_image image = *image_buffer;
     int item = (int)get_global_id(0), place = item / (TD_BLOCK_PIXELS / TD_LANES);
     int first = item % (TD_BLOCK_PIXELS / TD_LANES) * TD_LANES;
-    if (place >= asked_count) return; /* groups are whole */
+    if (place >= asked_count) return; /* the last work-group may go beyond the end */
     int job_index = asked[place] >> 4;
     const td_job job = jobs[job_index];
     td_list list;

@@ -4,25 +4,25 @@
 
 #include "channels.h"
 
-/* Sums over splats, each taken w times. */
+/* Sums over splats. Each splat counts with its blend weight, or in soft order with its density. */
 typedef struct td_sums {
-    td_lanes luminance, luminance_dot; /* of w lum, and its rate */
-    td_lanes feature[2 * TD_FEATURES]; /* only with a decoder: of w f, then their rates */
-    td_lanes weight, weight_low;       /* of w, and what it is less; from here on only where diagnostics are asked for */
-    td_lanes weight_dot;               /* from here on only where colour is */
+    td_lanes luminance, luminance_dot; /* sum of w luminance, and its rate */
+    td_lanes feature[2 * TD_FEATURES]; /* with a decoder only: sums of w feature, then their rates */
+    td_lanes weight, weight_low;       /* sum of w, and its rounding error; from here on only where diagnostics are asked for */
+    td_lanes weight_dot;               /* from here on only where colour is asked for */
     td_lanes colour[6];
-    td_lanes depth, depth_dot; /* of w z, and its rate */
+    td_lanes depth, depth_dot; /* sum of w z, and its rate */
 } td_sums;
 
-/* TD_LANES pixels on their way down the list. */
+/* TD_LANES pixels, composited as far as one place of the list. */
 typedef struct td_composite {
     td_lanes x, y;                             /* pixel centres [px] */
     td_lanes transmittance, transmittance_dot; /* T, T_dot; 0 in lanes that have stopped early */
-    td_lanes stopped, stopped_dot;             /* T, T_dot of those */
-    td_lanes behind;                           /* soft order: T behind all splats so far, for rules that drop splats; 0 as T */
-    td_sums sums;                              /* by blend weight: what the pixels show */
+    td_lanes stopped, stopped_dot;             /* T, T_dot that lanes had when they stopped */
+    td_lanes behind; /* soft order: T behind all splats so far, for rules that drop splats; 0 in lanes that have stopped */
+    td_sums sums;    /* by blend weight: what the pixels show */
     td_lanes contributors;
-    td_mask live; /* BOUND: not yet terminated */
+    td_mask live; /* by the stop rule BOUND: lanes that still composite */
 } td_composite;
 
 /* From an alpha and its rate: tau and tau_dot, and a mask of the pixels above the cut. */
@@ -51,36 +51,38 @@ TD_INLINE void td_splat_power(TD_GLOBAL const td_real *record, const td_composit
     *rate = td_fma(dx, td_fma(record[TD_R_KXX], dx, td_fma(record[TD_R_KXY], dy, record[TD_R_KX])), alone);
 }
 
-/* From alpha and its relative rate: tau and tau_dot, before the rules that drop splats. `wanted` is the transmittance that
- * these rules want left behind the splat: the stop, or -1 where the pixel doesn't see it. */
+/* Gives tau and tau_dot of an alpha and its relative rate, before the rules that drop splats. `wanted` is the transmittance
+ * that must be left behind the splat for these rules to blend it. It is -1 where the pixel doesn't see the splat. */
 TD_INLINE void td_splat_tau(const td_image *image, td_lanes alpha, td_lanes rate, td_lanes *tau, td_lanes *tau_dot,
                             td_lanes *wanted) {
     td_mask seen;
     td_cap_alpha(image, alpha, alpha * rate, tau, tau_dot, &seen);
     *wanted = td_select(td_splat(-1.0f), td_splat(image->stop), seen);
-    if (td_cut_rule(image) == TD_CUT_TAPER) return; /* 0 below the cut by itself */
+    if (td_cut_rule(image) == TD_CUT_TAPER) return; /* tau is 0 below the cut already */
     *tau = td_select(td_splat(0.0f), *tau, seen);
     *tau_dot = td_select(td_splat(0.0f), *tau_dot, seen);
 }
 
-/* Where those rules blend a splat: by what is left behind it. In lanes that have stopped there's nothing. */
+/* The lanes that blend a splat: `left`, the transmittance behind it, is not below `wanted`. In lanes that have stopped, `left`
+ * is 0. */
 TD_INLINE td_mask td_above_stop(const td_image *image, td_lanes left, td_lanes wanted) {
     return td_stop_rule(image) == TD_STOP_BELOW ? left >= wanted : left > wanted;
 }
 
-/* BOUND: the rest of the list can change L by more than `stop`: T times the brightest colour in the list against Y. */
+/* The stop rule BOUND goes on where the rest of the list can change L by more than `stop`. The change of Y is at most T times
+ * the brightest colour in the rest. */
 TD_INLINE td_mask td_above_bound(const td_image *image, td_real brightest, const td_composite *pixels,
                                  const td_channels *channels) {
     if (td_by_channels(image)) return td_channels_above_bound(image, brightest, pixels->transmittance, pixels->live, channels);
-    if (td_with_decoder(image)) brightest = brightest * image->decoder_gain; /* Y is 0 or more whatever comes */
+    if (td_with_decoder(image)) brightest = brightest * image->decoder_gain; /* Y >= 0 for all features */
     return pixels->transmittance * brightest > image->stop * (pixels->sums.luminance + image->log_eps);
 }
 
-/* Can any lane still change? Asked at every eighth splat of a list. Lanes that can't by BOUND put their T aside: what comes is
- * in front of nothing then and changes nothing, so that lanes don't depend on their neighbours. */
+/* Returns 1 if any lane can still change; asked at every eighth splat of a list. Lanes that BOUND stops put their T aside.
+ * Their T is 0 from there on, so that further splats change nothing, and a lane's result doesn't depend on its neighbours. */
 TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, const td_channels *channels, td_composite *pixels) {
     if (td_drops_splats(image))
-        return td_soft_order(image) || td_any(pixels->transmittance > 0.0f); /* soft: what has begun must end */
+        return td_soft_order(image) || td_any(pixels->transmittance > 0.0f); /* soft: what has begun to take light must end */
     if (td_stop_rule(image) == TD_STOP_NONE) return 1;
     td_lanes none = td_splat(0.0f);
     pixels->live = td_above_bound(image, brightest, pixels, channels);
@@ -96,7 +98,7 @@ TD_INLINE void td_count(const td_image *image, td_mask blended, td_composite *pi
     if (td_with_diagnostics(image)) pixels->contributors = pixels->contributors + td_mask_to_real(blended);
 }
 
-/* Adds a splat w times to the sums; its colour record only where the image wants colour. */
+/* Adds a splat w times to the sums. Its colour record is read only where the image wants colour. */
 TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
                              td_lanes w, td_lanes w_dot, td_sums *sums) {
     if (td_with_decoder(image)) {
@@ -120,7 +122,7 @@ TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td
     sums->depth_dot = td_fma(w_dot, z, td_fma(w, z_dot, sums->depth_dot));
 }
 
-/* Adds a blend weight to their sum, compensated (Kahan): thousands of faint splats would cost it a digit. */
+/* Adds a blend weight to the sum of weights with Kahan's compensation: thousands of faint splats would cost the sum a digit. */
 TD_INLINE void td_add_weight(const td_image *image, td_lanes w, td_lanes w_dot, td_sums *sums) {
     if (!td_with_diagnostics(image)) return;
     td_lanes term = w - sums->weight_low, weight = sums->weight + term;
@@ -130,7 +132,7 @@ TD_INLINE void td_add_weight(const td_image *image, td_lanes w, td_lanes w_dot, 
 }
 
 /* Blends one splat of alpha tau in hard order (paper, Eq. 2 and 8). Where a rule drops it, T is put aside and is 0 from there
- * on: with a mask of lanes each splat waited longer for the one before. */
+ * on. With a mask of lanes instead, each splat waited longer for the splat before it. */
 TD_INLINE td_shown td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
                                   td_lanes tau, td_lanes tau_dot, td_lanes wanted, td_composite *pixels) {
     td_lanes none = td_splat(0.0f), t = pixels->transmittance, t_dot = pixels->transmittance_dot;
@@ -176,18 +178,18 @@ TD_INLINE void td_composite_start(td_composite *pixels, td_lanes x, td_lanes y, 
     pixels->live = x == x;
 }
 
-/* L and L_dot of Y and its rate: planes[0] = L, [1] = L_dot, [2] = Y. */
+/* Stores L and L_dot of luminance y and its rate: planes[0] = L, [1] = L_dot, [2] = Y. */
 TD_INLINE void td_finish_luminance(td_lanes y, td_lanes y_dot, td_real log_eps, td_lanes planes[3]) {
-    td_mask below = y < 0.0f; /* only colours without a floor come here: black */
+    td_mask below = y < 0.0f; /* only colours without a floor can be negative; they count as black */
     y = td_select(y, td_splat(0.0f), below);
     y_dot = td_select(y_dot, td_splat(0.0f), below);
-    td_lanes none = y - y; /* 0, or not a number where Y isn't finite, which the logarithm's bits would hide */
+    td_lanes none = y - y; /* 0, or NaN where Y isn't finite: the logarithm takes bits apart and would hide that */
     planes[0] = td_select(td_log(y + log_eps), none, none != 0.0f);
     planes[1] = y_dot / (y + log_eps);
     planes[2] = y;
 }
 
-/* Channels with the backdrop behind, r g b and their rates: colours, or, where light isn't linear in these, their light. */
+/* Red, green, blue and their rates over the backdrop: colours, or light where light isn't linear in colours. */
 TD_INLINE void td_finish_channels(const td_image *image, const td_composite *pixels, const td_channels *channels,
                                   TD_GLOBAL const td_backdrop *backdrop, td_lanes channel[6]) {
     td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
@@ -201,7 +203,7 @@ TD_INLINE void td_finish_channels(const td_image *image, const td_composite *pix
     }
     for (int c = 0; c < 3; c++) {
         td_lanes y = pixels->sums.colour[c], y_dot = pixels->sums.colour[3 + c];
-        if (td_is_coded(image)) { /* a decoder's */
+        if (td_is_coded(image)) { /* with a decoder: its colours still have to become light */
             td_channel_light(image, t, t_dot, y, y_dot, backdrop->colour[c], backdrop->colour_dot[c], channel + c,
                              channel + 3 + c);
             continue;

@@ -37,7 +37,7 @@ TD_INLINE td_dual td_decoder_out(td_dual x, int decoder) {
     return x;
 }
 
-/* Decodes the pixels to a composite with nothing behind it: its colour and luminance are final. */
+/* Gives a composite with the decoded colour and luminance. Its T is 0: no backdrop is added to them. */
 TD_INLINE td_composite td_develop(const td_image *image, TD_GLOBAL const td_view *view, TD_GLOBAL const td_real *weights,
                                   const td_composite *pixels) {
     td_composite shown = *pixels;

@@ -35,7 +35,7 @@ TD_INLINE td_dual td_dual_fma(td_dual a, td_dual b, td_dual c) {
 
 /* a b + c for b that doesn't move */
 TD_INLINE td_dual td_dual_fma_still(td_dual a, td_lanes b, td_dual c) {
-    /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): it doesn't know that a layer is as wide as what it takes */
+    /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): clang doesn't know that a layer has as many weights as inputs */
     return td_dual_make(td_fma(a.v, b, c.v), td_fma(a.d, b, c.d));
 }
 
@@ -48,7 +48,7 @@ TD_INLINE td_dual td_dual_sqrt(td_dual a) {
     return td_dual_make(r, td_select(0.5f * a.d / r, td_splat(0.0f), r == 0.0f));
 }
 
-/* Clamped to [lower, upper]; the rate is 0 where clamped (the kink keeps the true derivative on each side). */
+/* Clamps to [lower, upper]. The rate is 0 where the value is clamped. */
 TD_INLINE td_dual td_dual_clamp(td_dual a, td_real lower, td_real upper) {
     td_mask inside = (a.v > lower) & (a.v < upper);
     return td_dual_make(td_clamp(a.v, lower, upper), td_select(td_splat(0.0f), a.d, inside));

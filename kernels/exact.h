@@ -1,6 +1,6 @@
-/* exp2, log, 1 - exp(-x), sine and cosine in double precision, made of basic operations: what OpenCL and C compute with in
- * double, to the bit. Polynomials are minimax (Remez, in 50 digits), their coefficients rounded, but for sine and cosine;
- * errors below are on a million numbers against long double (tests/kernels/test_exact.c). */
+/* exp2, log, 1 - exp(-x), sine and cosine in double precision, made of basic operations, so that OpenCL and C give the same
+ * bits. Sine and cosine are Taylor series. The other polynomials are minimax (Remez, in 50 digits) with rounded coefficients.
+ * Errors are the greatest of a million arguments against long double. */
 #ifndef TD_EXACT_H
 #define TD_EXACT_H
 
@@ -8,7 +8,7 @@
 
 #ifdef TD_REAL_DOUBLE
 
-#define TD_EXACT_ROUNDS 6755399441055744.0 /* 1.5 * 2^52: added it rounds, and the number is in the low bits */
+#define TD_EXACT_ROUNDS 6755399441055744.0 /* 1.5 * 2^52: x + this is rounded to a whole number, which is in the low bits */
 
 /* 2^-e for x in [2^e, 2^(e + 1)), 1 <= x < 2^1023. */
 TD_INLINE td_lanes td_exact_inverse_power(td_lanes x) {
@@ -39,7 +39,7 @@ TD_INLINE td_lanes td_exact_exp2(td_lanes x) {
     return td_from_bits(td_bits(p) + (td_bits(shifted) << 52));
 }
 
-/* 1 - exp(-x), error < 2.5 ulp, for x from 0 to 700: with -x log2(e) = k + r it is (1 - 2^k) - 2^k (2^r - 1). */
+/* 1 - exp(-x), error < 2.5 ulp, for x from 0 to 700. With -x log2(e) = k + r the result is (1 - 2^k) - 2^k (2^r - 1). */
 TD_INLINE td_lanes td_exact_taken(td_lanes x) {
     td_lanes y = x * -1.4426950408889634074;
     td_lanes shifted = y + TD_EXACT_ROUNDS, r = y - (shifted - TD_EXACT_ROUNDS);
@@ -47,8 +47,8 @@ TD_INLINE td_lanes td_exact_taken(td_lanes x) {
     return td_fma(-scale, td_exact_slope(r) * r, 1.0 - scale);
 }
 
-/* sin x and cos x, error < 3e-16 for |x| < 2^20, as td_sin_cos in single precision (angle.h): Taylor's series up to r^17 and
- * r^16. */
+/* sin x and cos x, error < 3e-16 for |x| < 2^20. x = k pi/2 + r with pi/2 in three parts (Cody and Waite), then Taylor's series
+ * up to r^17 and r^16. */
 TD_INLINE void td_exact_sin_cos(td_lanes x, td_lanes *sine, td_lanes *cosine) {
     td_lanes shifted = td_fma(x, 0.63661977236758134308, td_splat(TD_EXACT_ROUNDS)), k = shifted - TD_EXACT_ROUNDS;
     td_lanes r = td_fma(-k, 1.5707963267948966, x);
@@ -80,14 +80,14 @@ TD_INLINE void td_exact_sin_cos(td_lanes x, td_lanes *sine, td_lanes *cosine) {
 /* x = m 2^e with m in [sqrt(1/2), sqrt(2)); returns f = m - 1. */
 TD_INLINE td_lanes td_exact_mantissa(td_lanes x, td_lanes *e) {
     const td_lanes bias = td_splat(6755399441056767.0); /* TD_EXACT_ROUNDS + 1023 */
-    /* so many steps of the exponent lie below 1/sqrt(2), and as many bits are put below it */
+    /* Adds the bits between sqrt(1/2) and 1, so that m in [sqrt(1/2), 1) counts as the next exponent. */
     td_word above = td_bits(x) + (td_word)(0x3ff0000000000000 - 0x3fe6a09e667f3bcd);
     *e = td_from_bits((above >> 52) + td_bits(td_splat(TD_EXACT_ROUNDS))) - bias;
     return td_from_bits((above & (td_word)(0x000fffffffffffff)) + (td_word)(0x3fe6a09e667f3bcd)) - 1.0;
 }
 
-/* ln x of f, s = f/(2 + f) and e: ln(1 + f) = f - (f^2/2 - s (f^2/2 + R)), R = s^2 Q(s^2) with Q of degree 6, good to 5e-18;
- * f is exact, so that what s is off by counts little. */
+/* ln x of f, s = f/(2 + f) and e: ln(1 + f) = f - (f^2/2 - s (f^2/2 + R)), R = s^2 Q(s^2) with Q of degree 6, good to 5e-18. f
+ * is exact, and an error of s counts only in second order. */
 TD_INLINE td_lanes td_exact_log_from(td_lanes f, td_lanes s, td_lanes e) {
     td_lanes z = s * s, square = 0.5 * f * f;
     td_lanes q = td_fma(0.14617736790073002, z, 0.15331607998056482);
@@ -97,7 +97,7 @@ TD_INLINE td_lanes td_exact_log_from(td_lanes f, td_lanes s, td_lanes e) {
     q = td_fma(q, z, 0.3999999999989851);
     q = td_fma(q, z, 0.666666666666667);
     td_lanes ln_m = f - td_fma(-s, td_fma(q, z, square), square);
-    return td_fma(e, 0.6931471805599453094, td_fma(e, 2.3190468138462996e-17, ln_m)); /* ln 2, and what that is more */
+    return td_fma(e, 0.6931471805599453094, td_fma(e, 2.3190468138462996e-17, ln_m)); /* ln 2 rounded, and the rest of ln 2 */
 }
 
 /* ln x of a positive normal number, < 1.5 ulp. */

@@ -1,5 +1,5 @@
-/* The dialect's functions and its moves of lanes, one after the other, as the device has them; the tests compare them with the
- * host's bits. */
+/* Calls the elementary functions of exact.h and the vector shuffles one after the other on the device. Tests compare the
+ * results with those of the host, bit by bit. */
 #include "extent.h"
 #include "soft_order.h"
 

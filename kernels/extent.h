@@ -4,7 +4,7 @@
 
 #include "projection.h"
 
-/* Largest whole number not above x, for |x| < 2^22, without floor() (DESIGN 3.5). */
+/* Largest whole number not above x, for |x| < 2^22. PoCL's floor() is a slow function call. */
 TD_INLINE td_lanes td_floor(td_lanes x) {
 #ifdef TD_REAL_DOUBLE
     td_real magic = 6755399441055744.0; /* 1.5 * 2^52 */
@@ -16,24 +16,24 @@ TD_INLINE td_lanes td_floor(td_lanes x) {
 }
 TD_INLINE td_lanes td_ceil(td_lanes x) { return -td_floor(-x); }
 
-/* Half-widths of the box around the splat [px]. Rounding is on the generous side: a block too many costs time, one too few
- * would cut a visible splat. */
+/* Half-widths of the box around the splat [px], rounded up: a block too many costs time, and one too few would cut a visible
+ * splat. */
 TD_INLINE void td_half_widths(const td_shape *shape, td_lanes *rx, td_lanes *ry) {
     td_lanes power = td_larger(shape->power, td_splat(0.0f));
     *rx = td_fma(td_sqrt(power * shape->a.v), TD_REAL(1.0001), TD_REAL(0.01));
     *ry = td_fma(td_sqrt(power * shape->c.v), TD_REAL(1.0001), TD_REAL(0.01));
 }
 
-/* The values of a splat that are equal for all tiles that it may be in. */
+/* The extent of a splat in pixels: equal for all tiles. */
 typedef struct td_extent {
-    td_lanes u, v, rx, ry;     /* its middle and the box around it */
-    td_lanes slope, bend, end; /* of the ellipse's sides (td_block_row) */
-    td_lanes wide, high;       /* half-widths of the rule's rectangle, where there is one */
+    td_lanes u, v, rx, ry;     /* centre and half-widths of its box [px] */
+    td_lanes slope, bend, end; /* of the ellipse's left and right side (td_extent_of) */
+    td_lanes wide, high;       /* half-widths of the rule's rectangle [px], where the rule has one */
     td_mask visible;
 } td_extent;
 
-/* INRIA: ceil(3 sqrt(lambda_max)); a splat is seen only by the 16x16 tiles that the square of that radius touches. gsplat: per
- * axis ceil(min(3.33, sqrt(2 ln(255 opacity))) sqrt(cov_ii)). */
+/* Half-widths by the two renderers' rules. INRIA: ceil(3 sqrt(lambda_max)), and a splat is seen only by the 16x16 tiles that
+ * the square of that radius touches. gsplat: per axis ceil(min(3.33, sqrt(2 ln(255 opacity))) sqrt(cov_ii)). */
 TD_INLINE void td_rectangle_of(const td_shape *shape, const td_image *image, td_extent *extent) {
     td_lanes rx, ry;
     if (td_extent_rule(image) == TD_EXTENT_INRIA) {
@@ -51,8 +51,8 @@ TD_INLINE void td_rectangle_of(const td_shape *shape, const td_image *image, td_
     extent->high = td_ceil(td_smaller(ry, td_splat(TD_REAL(1e6))));
 }
 
-/* The ellipse's boundary is x(dy) = (b/c) dy +- k sqrt(ry^2 - dy^2), `slope` and `bend` of it; its right end lies at
- * dy = (b/a) rx, `end`, the left at minus that. */
+/* The ellipse's boundary is x(dy) = slope dy +- bend sqrt(ry^2 - dy^2) with slope = b/c. Its rightmost point lies at
+ * dy = `end` = (b/a) rx, the leftmost at -`end`. */
 TD_INLINE td_extent td_extent_of(const td_shape *shape, const td_image *image) {
     td_extent extent;
     extent.u = shape->u.v, extent.v = shape->v.v;
@@ -68,7 +68,7 @@ TD_INLINE td_extent td_extent_of(const td_shape *shape, const td_image *image) {
 
 /* The mask of the Gaussians whose rectangle holds the tile. */
 TD_INLINE td_mask td_rectangle_holds(const td_extent *extent, const td_image *image, int tile_x, int tile_y) {
-    /* Tile borders against [u - r, u + r), as the two renderers round it; INRIA's pixel centres are whole numbers. */
+    /* Tile borders against [u - r, u + r), rounded as the two renderers do. In INRIA's, pixel centres are whole numbers. */
     td_lanes shift = td_splat(td_extent_rule(image) == TD_EXTENT_INRIA ? TD_REAL(0.5) : TD_REAL(0.0));
     td_lanes u = extent->u - shift, v = extent->v - shift;
     td_real reach = td_extent_rule(image) == TD_EXTENT_INRIA ? TD_REAL(15.0) : TD_REAL(16.0);
@@ -76,12 +76,12 @@ TD_INLINE td_mask td_rectangle_holds(const td_extent *extent, const td_image *im
            (v - extent->high < (td_real)(tile_y + TD_TILE)) & (v + extent->high + reach >= (td_real)(tile_y + TD_TILE));
 }
 
-/* The x range of the ellipse within the strip of pixel centres of row j of a tile's blocks, as bits of these blocks. */
+/* The x range of the ellipse within row j of a tile's blocks, as bits of these four blocks. */
 TD_INLINE td_mask td_block_row(const td_extent *e, int tile_x, int tile_y, int j) {
     int y = tile_y + 4 * j;
     td_lanes from = (td_real)y + 0.5f - e->v, to = (td_real)y + 3.5f - e->v;
     td_mask touched = (from <= e->ry) & (to >= -e->ry);
-    /* Each side is convex, so within the strip it is extreme at the nearest dy. */
+    /* Each side is convex, so within the row it is extreme at the dy nearest to that of its extreme point. */
     td_lanes dy_right = td_smaller(td_larger(e->end, from), to), dy_left = td_smaller(td_larger(-e->end, from), to);
     td_lanes half_right = td_sqrt(td_larger(td_fma(e->ry, e->ry, -(dy_right * dy_right)), td_splat(0.0f)));
     td_lanes half_left = td_sqrt(td_larger(td_fma(e->ry, e->ry, -(dy_left * dy_left)), td_splat(0.0f)));
@@ -98,7 +98,7 @@ TD_INLINE td_mask td_block_row(const td_extent *e, int tile_x, int tile_y, int j
 TD_INLINE td_mask td_block_mask(const td_extent *extent, const td_image *image, int tile_x, int tile_y) {
     td_mask visible = extent->visible;
     if (td_extent_rule(image) != TD_EXTENT_ELLIPSE) visible = visible & td_rectangle_holds(extent, image, tile_x, tile_y);
-    td_mask bits = td_block_row(extent, tile_x, tile_y, 0); /* no loop: LLVM kept it, and the one within */
+    td_mask bits = td_block_row(extent, tile_x, tile_y, 0); /* no loop: LLVM wouldn't unroll it, nor that within */
     bits |= td_block_row(extent, tile_x, tile_y, 1);
     bits |= td_block_row(extent, tile_x, tile_y, 2);
     bits |= td_block_row(extent, tile_x, tile_y, 3);

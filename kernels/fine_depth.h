@@ -1,15 +1,15 @@
-/* Depth to twice the working precision, for soft order (soft_order.h): a float is good to 6e-8 of itself, and that is 3e-4 of
- * the depth within which splats swap places; as noise in the image it costs steps.
+/* Depth to twice the working precision, for soft depth order. A float has a relative error of 6e-8, which is 3e-4 of the depth
+ * range within which splats share light. That error is noise in the image, and costs steps.
  *
- * Products and sums are error-free transformations (Dekker; Knuth): p + e = a b and s + e = a + b exactly. The view is rounded,
- * but by the same for all splats of an object: their order doesn't notice. */
+ * Products and sums are error-free transformations (Dekker; Knuth): p + e = a b and s + e = a + b exactly. The view matrix is
+ * rounded, but equally for all splats of an object, so that their order isn't affected. */
 #ifndef TD_FINE_DEPTH_H
 #define TD_FINE_DEPTH_H
 
 #include "dual.h"
 #include "layout.h"
 
-/* sum + product a b, what is lost added to `low`. */
+/* Returns the rounded sum + a b, and adds the rounding error to `low`. */
 TD_INLINE td_lanes td_add_product(td_lanes sum, td_real a, td_lanes b, td_lanes *low) {
     td_lanes product = a * b, total = sum + product, part = total - sum;
     td_lanes lost = (sum - (total - part)) + (product - part);
@@ -17,7 +17,7 @@ TD_INLINE td_lanes td_add_product(td_lanes sum, td_real a, td_lanes b, td_lanes 
     return total;
 }
 
-/* m . p + offset, rounded once; *low is what it is more, relative to it (0 for 0). */
+/* m . p + offset, rounded once. *low is the rounding error relative to the result, 0 where that is 0. */
 TD_INLINE td_lanes td_fine_row(TD_GLOBAL const td_real *m, const td_dual p[3], td_real offset, td_lanes *low) {
     td_lanes sum = td_splat(offset), lost = td_splat(0.0f);
     sum = td_add_product(sum, m[0], p[0].v, &lost);
@@ -28,8 +28,8 @@ TD_INLINE td_lanes td_fine_row(TD_GLOBAL const td_real *m, const td_dual p[3], t
     return total;
 }
 
-/* The relative low part, at most 2^-24, goes into the upper half of a splat's mask as a multiple of 2^-38, where the lower half
- * isn't 0. The double reference needs none. */
+/* Puts the relative low part of a depth, at most 2^-24, into the upper half of a splat's mask as a multiple of 2^-38. Masks
+ * that are 0 stay 0. The double reference needs no low part. */
 TD_INLINE td_mask td_pack_low(td_mask blocks, td_lanes low) {
 #ifdef TD_REAL_DOUBLE
     (void)low;

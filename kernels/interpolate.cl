@@ -1,4 +1,4 @@
-/* One work-group per cubic job: its rows, TD_LANES at a time (interpolate.h). */
+/* One work-group interpolates the rows of one cubic job, TD_LANES at a time. */
 #include "interpolate.h"
 
 __kernel void td_interpolate_rows(__global const td_cubic_job *jobs, __global const td_cubic *cubics,

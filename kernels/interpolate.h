@@ -1,9 +1,8 @@
-/* Rows of moving Gaussians between two times for which they have been worked out: the cubic through both rows and their rates
- * (Hermite), its derivative as the rates; and how far off that is.
+/* Rows of moving Gaussians, interpolated between two times at which they are known: the cubic through both rows and their rates
+ * (Hermite), with its derivative as the rates. Its error is estimated too.
  *
- * The host computes the weights, which are equal for all rows of a time, in double: with the step h between the two times and s
- * in [0, 1], value = v0 + W (v1 - v0) + W0 r0 + W1 r1, and the same with the derivatives of W, W0, W1 without v0 for the
- * rate. */
+ * The host computes the weights in double, since they are equal for all rows of a time. With the step h between the two times
+ * and s in [0, 1], value = v0 + W (v1 - v0) + W0 r0 + W1 r1. The rate is r = W' (v1 - v0) + W0' r0 + W1' r1. */
 #ifndef TD_INTERPOLATE_H
 #define TD_INTERPOLATE_H
 
@@ -11,9 +10,9 @@
 #include "sweep.h"
 #include "transpose.h"
 
-/* The weights of a time, TD_CUBIC_REALS. */
+/* The weights of a time: TD_CUBIC_REALS reals. */
 typedef struct td_cubic {
-    td_real way, start, end;             /* 1, s, s */
+    td_real way, start, end;             /* W [1], W0, W1 [s] */
     td_real way_dot, start_dot, end_dot; /* their derivatives */
 } td_cubic;
 
@@ -23,14 +22,14 @@ TD_INLINE td_dual td_cubic_at(const td_cubic *cubic, td_dual from, td_dual to) {
                         td_fma(way, cubic->way_dot, td_fma(from.d, cubic->start_dot, to.d * cubic->end_dot)));
 }
 
-/* Where all rows are; rates and their SH begin with row `first_rate`. */
+/* The arrays of all rows. Rates of geometry and SH begin with row `first_rate`. */
 typedef struct td_row_arrays {
     TD_GLOBAL td_real *geometry, *rates; /* TD_GEOMETRY_STRIDE each */
     TD_GLOBAL td_real *sh, *sh_rates;    /* sh_stride each */
     int first_rate, sh_stride;
 } td_row_arrays;
 
-/* Geometry of one row: its entries are neighbours, and as many as the widest vector has lanes. */
+/* Geometry of one row, as one vector: its 16 entries are neighbours. */
 TD_INLINE void td_cubic_geometry(const td_cubic *cubic, const td_row_arrays *rows, int from, int to, int row) {
     int rate0 = (from - rows->first_rate) * TD_GEOMETRY_STRIDE, rate1 = (to - rows->first_rate) * TD_GEOMETRY_STRIDE;
     for (int k = 0; k < TD_GEOMETRY_STRIDE; k += TD_LANES) {
@@ -77,16 +76,16 @@ typedef struct td_misfit_terms {
     int moves_sh;
 } td_misfit_terms;
 
-/* How far the cubic through the ends is off in the middle: in value, and in rate over half the interval. The latter is nought
- * to leading order where the row is smooth, and shows what the value alone may hide: the kinks of a network with relu, which
- * leave the middle's value right where they are a quarter of the interval away. With this weight the sum bounds what the cubics
- * of both halves are off by, up to a tenth, wherever a kink is; smooth rows they follow 16 times better than that. */
+/* By how much the cubic through both ends misses the row in the middle: in value, and in rate times half the interval. Where a
+ * row is smooth, the rate's part is 0 to leading order. It shows kinks of a network with ReLU a quarter of the interval from
+ * the middle, which leave the middle's value right. With this weight the sum bounds the error of the two halves' cubics at a
+ * kink, up to a tenth. Smooth rows follow the halves' cubics 16 times better. */
 TD_INLINE td_lanes td_cubic_stray(const td_misfit_terms *terms, td_dual start, td_dual middle, td_dual end) {
     td_dual cubic = td_cubic_at(&terms->middle, start, end);
     return td_fma(td_splat(0.5f * terms->duration), td_size(middle.d - cubic.d), td_size(middle.v - cubic.v));
 }
 
-/* Euclidean length of the strays of `count` entries of geometry from `first` on. */
+/* Euclidean length of td_cubic_stray over `count` entries of geometry from `first` on. */
 TD_INLINE td_lanes td_stray_length(const td_misfit_terms *terms, const td_source *source, const td_image *image,
                                    const td_index index[3], int first, int count) {
     td_lanes sum = td_splat(0.0f);
@@ -98,7 +97,7 @@ TD_INLINE td_lanes td_stray_length(const td_misfit_terms *terms, const td_source
     return td_sqrt(sum);
 }
 
-/* Square of the shortest axis, the least of the factor's columns; with the length of the factor's rate in `rate`. */
+/* Square of the shortest axis, which is the least column of the factor M; `rate` gets the length of M's rate. */
 TD_INLINE td_lanes td_shortest_axis(const td_source *source, const td_image *image, td_index index, td_lanes *rate) {
     td_lanes least = td_splat(0.0f), sum = td_splat(0.0f);
     for (int j = 0; j < 3; j++) {
@@ -114,7 +113,7 @@ TD_INLINE td_lanes td_shortest_axis(const td_source *source, const td_image *ima
     return least;
 }
 
-/* Pixels per unit of length at the Gaussians, the most of the three times; `view` is that of the object at the first. */
+/* Pixels per unit of length at the Gaussians: the greatest of three times. `view` is the object's view at the first time. */
 TD_INLINE td_lanes td_pixels_per_unit(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                       const td_index index[3]) {
     td_lanes nearest = td_splat(0.0f);
@@ -127,13 +126,13 @@ TD_INLINE td_lanes td_pixels_per_unit(TD_GLOBAL const td_view *view, const td_im
         td_lanes depth = td_view_row(at->r + 6, at->r_dot + 6, image, mean, at->t[2], at->t_dot[2]).v;
         nearest = i ? td_smaller(nearest, depth) : depth;
     }
-    for (int k = 0; k < 3; k++) scale += view->r[6 + k] * view->r[6 + k]; /* an object's, squared */
+    for (int k = 0; k < 3; k++) scale += view->r[6 + k] * view->r[6 + k]; /* the square of the object's scale */
     nearest = td_larger(nearest, td_splat(image->near > TD_REAL(1e-3) ? image->near : TD_REAL(1e-3)));
     return focal * td_sqrt(td_splat(scale)) / nearest;
 }
 
-/* Error of log_luminance from colours that stray: the strays of all coefficients, times the most that a basis function up to
- * degree 4 reaches, sqrt(9 / (4 pi)) by the addition theorem, over the luminance of the constant term. */
+/* Error of log_luminance from colours: the sum of td_cubic_stray over all SH coefficients, over the luminance of the constant
+ * term. A basis function up to degree 4 is at most sqrt(9 / (4 pi)), by the addition theorem. */
 TD_INLINE td_lanes td_colour_stray(const td_misfit_terms *terms, const td_image *image, const td_row_arrays *rows,
                                    const td_index row[3]) {
     td_lanes sum = td_splat(0.0f), luminance = td_splat(image->transfer.dark);
@@ -149,13 +148,14 @@ TD_INLINE td_lanes td_colour_stray(const td_misfit_terms *terms, const td_image 
     return TD_REAL(0.8462843753216345) * sum / luminance;
 }
 
-/* Misfit of TD_LANES Gaussians of an object in neighbouring rows from row[0] at an interval's start, row[1] in its middle and
- * row[2] at its end: by how many tolerances log_luminance may be off in the halves. Not above 1: interpolate.
+/* Misfit of TD_LANES Gaussians of an object. Their rows are neighbours, from row[0] on at an interval's start, row[1] in its
+ * middle, row[2] at its end. The misfit is the possible error of log_luminance within the halves, in tolerances. Up to 1 the
+ * host interpolates; above, it computes more rows.
  *
- * A splat that is as bright as what is seen there, before black or the other way round, changes log_luminance by what
- * splat_alpha changes: by at most e^(-1/2) opacity du / sigma for a shift of the mean (one standard deviation out), 2/e opacity
- * times the relative change of its axes, and the change of its opacity; sigma is that of the shortest axis on the screen. How
- * late that is: the same over the rate of splat_alpha. */
+ * The worst case is a splat that is as bright as all that is seen there, before black or the reverse. Then log_luminance
+ * changes by the change of splat_alpha. That is at most e^(-1/2) opacity du / sigma for a shift of the mean (one standard
+ * deviation out), 2/e opacity times the relative change of the axes, and the change of opacity. sigma is that of the shortest
+ * axis on the screen. The error of a crossing's time is this change over the rate of splat_alpha. */
 TD_INLINE td_lanes td_misfit_group(TD_GLOBAL const td_view *views, const td_image *image, const td_source *all,
                                    TD_GLOBAL const int *object, const td_row_arrays *rows, const int row[3],
                                    const td_misfit_terms *terms) {

@@ -1,13 +1,13 @@
-/* Assignment of a batch's jobs to work-groups. On a CPU there are as many work-groups as cores, and each takes the next job
- * when it has done one, the longest first. A fixed assignment was slower: PoCL gives half of the groups that are left, up to
- * 32, to the core that asks. With few long lists (an object's scan: 47 tiles) one core then had the 24 longest, and the other
- * waited. On a GPU every job has its group. */
+/* Assigns a batch's jobs to work-groups. On a CPU there are as many work-groups as cores, and each takes the next job when its
+ * last is done, the longest first. A fixed assignment was slower: PoCL gives half of the remaining groups, up to 32, to the
+ * core that asks. With few long lists (47 tiles of an object's scan) one core then had the 24 longest, and the other waited. On
+ * a GPU every job has its group. */
 #ifndef TD_JOB_TURNS_H
 #define TD_JOB_TURNS_H
 
 #include "layout.h"
 
-/* Counters of a batch, 0 before it. */
+/* Counters of a batch, which the host sets to 0 before it. */
 enum { TD_TURN_RECORDS, TD_TURN_SORT, TD_TURN_SURFACES, TD_TURNS };
 
 #ifdef TD_OPENCL

@@ -4,10 +4,13 @@
  * double precision, one on a GPU, one in the scalar reference. The including file has declared the dialect:
  *   TD_OPENCL         set by the program's prelude, together with TD_LANES = 1, 4, 8 or 16
  *   TD_REAL_DOUBLE    double precision, with the functions of exact.h
- *   TD_UNFUSED        in OpenCL, on devices whose fma() is a long function: multiplies and adds, near the reference's bits
- * Masks are what comparisons give: as wide as the reals, so that in double an index, which masks are joined with, is as well.
- * Rules for everything above it: no contraction (the prelude's first line, -ffp-contract=off on the host), fma() is written
- * where it is wanted; no rint, floor, convert_*_rte, fmin, fmax, any, all (slow in PoCL: DESIGN 3.5). */
+ *   TD_UNFUSED        in OpenCL, on devices without an fma instruction: multiplies and adds, close to the reference's bits
+ * Masks are the results of comparisons, and as wide as the reals. Indices are combined with masks, so that they are longs in
+ * double.
+ *
+ * Rules for all code with it: operations aren't contracted (the prelude's first line, -ffp-contract=off on the host), and fma()
+ * is written where it is wanted. rint, floor, convert_*_rte, fmin, fmax, any and all aren't used, since they are slow in
+ * PoCL. */
 #ifndef TD_LANES_H
 #define TD_LANES_H
 
@@ -15,8 +18,8 @@
 
 #define TD_GLOBAL __global
 #define TD_INLINE static inline __attribute__((always_inline))
-/* Marks a kernel's body, which stands in a function beside it. PoCL makes three functions of a kernel, each with the whole body
- * inlined unless that is kept apart: three times as much to optimise and to translate, for one that runs. */
+/* Marks a kernel's body as a function that isn't inlined. PoCL makes three functions of a kernel, each with the whole body
+ * inlined otherwise: three times as much to optimise and to translate, of which one runs. */
 #if TD_LANES > 1
 #define TD_APART static __attribute__((noinline))
 #else
@@ -66,9 +69,9 @@ typedef TD_VECTOR(int) td_mask;
 #define td_fma_of(type, a, b, c) fma((type)(a), (type)(b), (type)(c))
 #endif
 #define td_fma(a, b, c) td_fma_of(td_lanes, a, b, c)
-#define td_fma_real(a, b, c) td_fma_of(td_real, a, b, c) /* of numbers that all lanes share */
+#define td_fma_real(a, b, c) td_fma_of(td_real, a, b, c) /* fma of single reals, which all lanes share */
 #define td_sqrt(x) sqrt(x)
-#if defined(TD_REAL_DOUBLE) && TD_LANES == 1 /* where select() would want a long */
+#if defined(TD_REAL_DOUBLE) && TD_LANES == 1 /* select() would want a long here */
 #define td_select(otherwise, then, mask) ((mask) ? (td_lanes)(then) : (td_lanes)(otherwise))
 #else
 #define td_select(otherwise, then, mask) select((td_lanes)(otherwise), (td_lanes)(then), (mask))
@@ -93,8 +96,8 @@ typedef int32_t td_word;
 #define td_fma(a, b, c) td_kept(fmaf(a, b, c))
 #define td_sqrt(x) sqrtf(x)
 #endif
-/* gcc 12 makes one instruction of -fma(a, b, c) where the processor has one, -frounding-math or not, as clang does for arm64,
- * and -0 of its 0: the negation mustn't see where its number comes from (tests/kernels/test_fused.c). */
+/* Hides where x comes from. gcc 12 makes one instruction of -fma(a, b, c) where the processor has one, also with
+ * -frounding-math, and clang does so for arm64. The sign of a result of 0 then differs. */
 TD_INLINE td_real td_kept(td_real x) {
 #if defined(__GNUC__) && defined(__aarch64__)
     __asm__("" : "+w"(x));
@@ -132,7 +135,7 @@ TD_INLINE td_real td_from_bits(td_word bits) {
 #endif
 typedef td_mask td_index;
 
-/* Prefetches a line of memory. */
+/* Prefetches the cache line at `at`. */
 #if defined(TD_OPENCL) && TD_LANES > 1
 #define td_soon(place) __builtin_prefetch((const void *)(size_t)(place))
 #else
@@ -195,7 +198,7 @@ TD_INLINE void td_store_ints(TD_GLOBAL int *array, td_index value) {
 #endif
 }
 
-/* TD_LANES neighbours of an array. */
+/* TD_LANES neighbours of an array of reals. */
 TD_INLINE td_lanes td_load_lanes(TD_GLOBAL const td_real *array) {
 #if TD_LANES == 16
     return vload16(0, array);
@@ -221,7 +224,7 @@ TD_INLINE td_lanes td_load_floats(TD_GLOBAL const float *array) {
 }
 #endif
 
-/* TD_LANES neighbours of a plane. */
+/* Stores TD_LANES neighbours in a plane. */
 TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) {
 #if TD_LANES == 16
     vstore16(value, 0, plane);
@@ -234,7 +237,7 @@ TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) {
 #endif
 }
 
-/* The lanes, one by one, and back: of the work-item's own arrays. */
+/* Writes the lanes into an array of the work-item, one by one; td_collect loads them. */
 TD_INLINE void td_spread(td_lanes value, td_real lane[TD_LANES]) {
 #if TD_LANES == 16
     vstore16(value, 0, lane);
@@ -258,7 +261,7 @@ TD_INLINE td_lanes td_collect(const td_real lane[TD_LANES]) {
 #endif
 }
 
-/* TD_LANES ints of the work-item's own (td_index_lanes is the way back). */
+/* TD_LANES ints of an array of the work-item. */
 TD_INLINE td_index td_collect_ints(const int lane[TD_LANES]) {
 #if TD_LANES == 16
     return td_widen(vload16(0, lane));
@@ -283,7 +286,7 @@ TD_INLINE void td_collect_pairs(const td_real *pair, td_lanes *first, td_lanes *
 #endif
 }
 
-/* Entry k of TD_LANES records `stride` apart. */
+/* Stores entry k of TD_LANES records, `stride` reals apart. */
 TD_INLINE void td_scatter(TD_GLOBAL td_real *records, int stride, int k, td_lanes value) {
 #if TD_LANES == 1
     (void)stride;
@@ -301,13 +304,13 @@ TD_INLINE void td_scatter(TD_GLOBAL td_real *records, int stride, int k, td_lane
 #endif
 }
 
-/* Larger and smaller of two; the second where they are unordered. */
+/* The larger and the smaller of two. If one is NaN, the second is returned. */
 TD_INLINE td_lanes td_larger(td_lanes a, td_lanes b) { return td_select(b, a, a > b); }
 TD_INLINE td_lanes td_smaller(td_lanes a, td_lanes b) { return td_select(b, a, a < b); }
 /* |a| */
 TD_INLINE td_lanes td_size(td_lanes a) { return td_larger(a, -a); }
 
-/* The largest of all lanes, of which none may be unordered. */
+/* The largest of all lanes. None may be NaN. */
 TD_INLINE td_real td_largest(td_lanes a) {
 #if TD_LANES == 16
     a = td_larger(a, a.s89abcdef01234567);
@@ -330,7 +333,7 @@ TD_INLINE td_lanes td_clamp(td_lanes x, td_real lower, td_real upper) {
     return td_smaller(td_larger(x, td_splat(lower)), td_splat(upper));
 }
 
-/* (otherwise, then) by mask, for masks. */
+/* Where `mask` is set `then`, else `otherwise`; both are masks. */
 TD_INLINE td_mask td_select_mask(td_mask otherwise, td_mask then, td_mask mask) {
 #if TD_LANES == 1
     return mask ? then : otherwise;

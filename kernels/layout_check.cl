@@ -1,4 +1,4 @@
-/* Sizes and offsets as the device sees them; the tests compare them with the host's. */
+/* Reports sizes and offsets of the shared structs on the device. A test compares them with the host's. */
 #include "layout.h"
 
 __kernel void td_layout_check(__global int *out) {

@@ -1,32 +1,34 @@
-/* Lenses: what a camera does to slopes q = (a, b) = (x/z, y/z) before K, d(q), with what the projection needs of it: Dd, and
- * the time derivatives of both.
+/* Lenses: what a camera does to slopes q = (a, b) = (x/z, y/z) before K, d(q). The projection needs d, its matrix Dd, and the
+ * time derivatives of both.
  *
- * radtan (OpenCV's first five) and equidistant (Kannala-Brandt, OpenCV's fisheye) are one thing: with w = a^2 + b^2, Q = 1 or
- * theta / tan(theta), and p = w Q^2 (tan^2 or theta^2)
+ * radtan (OpenCV's first five) and equidistant (Kannala-Brandt, OpenCV's fisheye) have one form. With w = a^2 + b^2, Q = 1 or
+ * theta / tan(theta), and p = w Q^2 (tan^2 or theta^2) it is
  *   d = D(w) q + h(w) (2 p1 a b + p2 (w + 2 a^2), p1 (w + 2 b^2) + 2 p2 a b),   D = Q (1 + k1 p + k2 p^2 + k3 p^3 + k4 p^4),
- *   Dd = D I + 2 D' q q^T + h (tangential's own derivatives) + 2 h' (tangential) q^T,
- * so that Dd's rate needs D'' and h'': chains of D and D' as duals carry it (tangential terms are radtan's alone).
+ *   Dd = D I + 2 D' q q^T + h (tangential's own derivatives) + 2 h' (tangential) q^T.
+ * So Dd's rate needs D'' and h'': D and D' are chained as duals. Tangential terms are radtan's alone.
  *
- * Polynomials turn back somewhere: the lens folds over. So they are used out to a radius beyond the image's corner, before the
- * fold, w1; from there on d goes on straight along the radius (D = A Q + B / r), C1, and is one to one wherever there's
- * something in front of the camera: what lies beyond the fold stays beyond the corner. lib/camera/lens.c finds w1, A, B. */
+ * A polynomial turns back somewhere: the lens folds over. So it is used out to w = w1 only, beyond the image's corner and
+ * before the fold. From there on d continues straight along the radius (D = A Q + B / r), with a continuous slope. It is one to
+ * one for all directions in front of the camera, and directions beyond the fold stay outside the image. lib/camera/lens.c finds
+ * w1, A, B. */
 #ifndef TD_LENS_H
 #define TD_LENS_H
 
 #include "dual.h"
 #include "layout.h"
 
-/* Terms of theta / tan(theta)'s series at the arguments below, out to rounding; up to an eighth of its derivatives' too. */
+/* Number of terms with which the series of theta / tan(theta) reaches rounding at the arguments used below; for w up to 1/8 its
+ * derivatives reach it too. */
 #ifdef TD_REAL_DOUBLE
 enum { TD_LENS_TERMS = 22 };
 #else
 enum { TD_LENS_TERMS = 10 };
 #endif
 #define TD_LENS_NEAR_AXIS TD_REAL(0.125)
-/* Slopes of a million and more are as good as 90 degrees: w there keeps fourth powers in single precision. */
+/* Limit of w. Slopes of a million count as 90 degrees, so that fourth powers of slopes stay in single precision. */
 #define TD_LENS_FAR TD_REAL(1e12)
-enum { TD_LENS_STEPS = 16 }; /* of Newton's method, from pixels to slopes; lib/camera/lens.c sees that they are enough */
-/* tan(theta / 2) of the farthest ray that a pixel has: 89.94 degrees. */
+enum { TD_LENS_STEPS = 16 }; /* of Newton's method, from pixels to slopes; lib/camera/lens.c tries them on the image */
+/* tan(theta / 2) of the farthest ray that a pixel may have: 89.94 degrees. */
 #define TD_LENS_WIDEST TD_REAL(0.9995)
 
 /* A function of w with its first and second derivative. */
@@ -39,8 +41,8 @@ typedef struct td_bent {
     td_dual x, y, xx, xy, yx, yy;
 } td_bent;
 
-/* q(w) = atan(r) / r with w = r^2: its series near 0 with derivatives (Horner); farther out after halving the angle twice, and
- * then 2 w q' = 1 / (1 + w) - q, of which the series keeps the difference near 0. */
+/* q(w) = atan(r) / r with w = r^2, and its derivatives. Near 0 by its series (Horner). Farther out by the series after halving
+ * the angle twice, and then 2 w q' = 1 / (1 + w) - q, which would cancel near 0. */
 TD_INLINE td_of_w td_lens_arc(td_lanes w) {
     td_mask near = w < TD_LENS_NEAR_AXIS;
     td_lanes once = 1.0f / (1.0f + td_sqrt(1.0f + w)), v = w * (once * once);
@@ -78,7 +80,7 @@ TD_INLINE td_of_w td_lens_polynomial(const td_lens *lens, td_lanes p) {
     return sum;
 }
 
-/* D. */
+/* D with its first and second derivative. */
 TD_INLINE td_of_w td_lens_radial(const td_image *image, td_lanes w) {
     const td_lens *lens = &image->lens;
     td_mask outside = w > lens->straight_from;
@@ -105,7 +107,7 @@ TD_INLINE td_of_w td_lens_radial(const td_image *image, td_lanes w) {
     return d;
 }
 
-/* h: 1, and where d goes on straight, h w = 2 r1 r - w1. */
+/* h: 1 out to w1; beyond, where d is straight, h w = 2 r1 r - w1. */
 TD_INLINE td_of_w td_lens_straight(const td_lens *lens, td_lanes w) {
     td_mask outside = w > lens->straight_from;
     td_real w1 = lens->straight_from, r1 = lens->straight_radius;
@@ -121,7 +123,7 @@ TD_INLINE td_of_w td_lens_straight(const td_lens *lens, td_lanes w) {
 TD_INLINE td_dual td_chain(const td_of_w *f, td_dual w) { return td_dual_make(f->f, f->first * w.d); }
 TD_INLINE td_dual td_chain_first(const td_of_w *f, td_dual w) { return td_dual_make(f->first, f->second * w.d); }
 
-/* Tangential terms, for (a, b) of which w is the square. */
+/* Adds the tangential terms for (a, b), with w = a^2 + b^2. */
 TD_INLINE void td_lens_tangential(const td_lens *lens, td_dual a, td_dual b, td_dual w, td_bent *bent) {
     td_of_w straight = td_lens_straight(lens, w.v);
     td_dual h = td_chain(&straight, w), h2 = td_dual_scale(td_chain_first(&straight, w), 2);
@@ -160,7 +162,7 @@ TD_INLINE td_dual td_still(td_lanes x) { return td_dual_make(x, td_splat(0.0f));
 
 /* -- from pixels back ---------------------------------------------------------------------------------------------- */
 
-/* The slopes whose image is (x, y): Newton's method from there. */
+/* The slopes whose image is (x, y), by Newton's method from (x, y). */
 TD_INLINE void td_unbend_plane(const td_image *image, td_lanes x, td_lanes y, td_lanes *a, td_lanes *b) {
     *a = x, *b = y;
     for (int i = 0; i < TD_LENS_STEPS; i++) {
@@ -172,7 +174,8 @@ TD_INLINE void td_unbend_plane(const td_image *image, td_lanes x, td_lanes y, td
     }
 }
 
-/* Solves for the slopes by the angle, as t = tan(theta / 2), in which it is nearly linear: G(theta) = rho. */
+/* Solves for the slopes by the angle theta from the axis. The unknown is t = tan(theta / 2), in which theta's image is nearly
+ * linear. */
 TD_INLINE void td_unbend_angle(const td_image *image, td_lanes x, td_lanes y, td_lanes *a, td_lanes *b) {
     const td_lens *lens = &image->lens;
     td_lanes rho = td_sqrt(td_fma(x, x, y * y)), t = td_clamp(0.5f * rho, TD_REAL(0.0), TD_LENS_WIDEST);
@@ -191,7 +194,7 @@ TD_INLINE void td_unbend_angle(const td_image *image, td_lanes x, td_lanes y, td
     *a = x * ratio, *b = y * ratio;
 }
 
-/* x/z and y/z of what is seen at (u, v) [px]. Beyond what lies in front of the camera: of the farthest ray. */
+/* x/z and y/z of the ray of pixel (u, v) [px]. Where no ray in front of the camera has this pixel, the farthest ray. */
 TD_INLINE void td_ray_of(const td_image *image, td_lanes u, td_lanes v, td_lanes *a, td_lanes *b) {
     td_lanes x = (u - image->cx) / image->fx, y = (v - image->cy) / image->fy;
     *a = x, *b = y;
@@ -201,10 +204,10 @@ TD_INLINE void td_ray_of(const td_image *image, td_lanes u, td_lanes v, td_lanes
 
 /* -- bounds, for sweeps -------------------------------------------------------------------------------------------- */
 
-/* Lanes whose splat is beyond every corner of the image by `blur` [focal lengths] and more. The splat is at least `across` from
- * the axis, no deeper than `deep`, and reaches out to `size` around its centre [scene units]. On the lens' plane a splat's edge
- * is at most `reach` size / z (radtan: carried over to its centre, since d grows by that much at least) or `sideways` size /
- * distance (equidistant) from it. */
+/* Lanes whose splat is farther out than every corner of the image by `blur` [focal lengths] and more. The splat is at least
+ * `across` from the axis, no deeper than `deep`, and reaches `size` around its centre [scene units]. For equidistant, its edge
+ * on the image is at most `sideways` size / distance from the centre. For radtan, `across` is reduced by `reach` size instead,
+ * because d grows at least as fast. */
 TD_INLINE td_mask td_lens_outside(const td_image *image, td_lanes across, td_lanes deep, td_lanes size, td_lanes blur) {
     const td_lens *lens = &image->lens;
     td_lanes r = td_larger(across - lens->reach * size, td_splat(0.0f)) / deep;

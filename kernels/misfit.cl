@@ -1,4 +1,4 @@
-/* Misfits of `count` Gaussians whose rows begin at row0, row1 and row2 (interpolate.h). */
+/* Interpolation misfits of `count` Gaussians, whose rows begin at row0 (start), row1 (middle) and row2 (end). */
 #include "interpolate.h"
 
 __kernel void td_measure_misfits(__constant const td_image *image_buffer, __global const int *object,

@@ -1,8 +1,8 @@
-/* One work-group per move job: its Gaussians, TD_LANES at a time, to rows of geometry and rates (movers.h). Rates begin with
- * row first_row's. */
+/* One work-group per move job: it computes its Gaussians at the job's time, TD_LANES at a time, as rows of geometry and rates.
+ * Row first_row of the rates is the first one stored. */
 #include "movers.h"
 
-/* A job's vectors, from `first` on. */
+/* Vectors of a job, from `first` on. */
 TD_APART void td_move_apart(__global const td_mover *mover, __global const float *data, __global const float *moment,
                             __global const int *gaussians, const td_theta_sink *from, int count, int first, int step) {
     for (int i = first; i < count; i += step) {

@@ -1,9 +1,9 @@
-/* 4DGaussians (Wu et al. 2024): a HexPlane over (x, y, z, t) and a small network give what is added to a Gaussian's raw
- * parameters.
+/* 4DGaussians (Wu et al. 2024): a HexPlane over (x, y, z, t) and a small network give changes that are added to a Gaussian's
+ * raw parameters.
  *
- * The canonical means are fixed, so the product of the three space planes is a constant per Gaussian and channel, worked out
- * when packed, and so are the places in the time planes. There remain the planes (x,t), (y,t), (z,t), linear in t between two
- * rows: features are products of three piecewise linear functions of t. */
+ * The canonical means are fixed. So the product of the three space planes is a constant per Gaussian and channel, computed when
+ * the object is packed, and so are the places in the time planes. The kernel reads the planes (x,t), (y,t), (z,t). These are
+ * linear in t between two rows, and a feature is a product of three piecewise linear functions of t. */
 #ifndef TD_MOTION_HEXPLANE_H
 #define TD_MOTION_HEXPLANE_H
 
@@ -19,18 +19,18 @@ enum {
     TD_HEXPLANE_SH_MAX = 48       /* the head of spherical harmonics: degree 3 */
 };
 
-/* td_mover.own; places are in the object's numbers. */
+/* Entries of td_mover.own. Places count from the start of the object's numbers. */
 enum {
     TD_HEXPLANE_LEVELS = 0,
     TD_HEXPLANE_CHANNELS, /* per level, padded */
     TD_HEXPLANE_WIDTH,    /* padded to TD_DENSE_BLOCK */
-    TD_HEXPLANE_LAYERS,   /* of the trunk behind the first */
+    TD_HEXPLANE_LAYERS,   /* layers of the trunk behind the first */
     TD_HEXPLANE_HEADS,    /* bits: TD_HEAD_... */
     TD_HEXPLANE_TURNS,    /* 1: the rotation is multiplied (apply_rotation), 0: added */
     TD_HEXPLANE_TABLES,   /* [level][x, y, z][row][column][channel] */
-    TD_HEXPLANE_ROWS,     /* of the tables: t from 0 to 1 */
+    TD_HEXPLANE_ROWS,     /* rows of the tables: t from 0 to 1 */
     TD_HEXPLANE_WEIGHTS,  /* trunk, then the heads that are on */
-    TD_HEXPLANE_RECORDS,  /* per Gaussian: see below */
+    TD_HEXPLANE_RECORDS,  /* one per Gaussian, laid out as below */
     TD_HEXPLANE_STRIDE,
     TD_HEXPLANE_SH,     /* spherical harmonics' reals in a record, 0 where they don't move */
     TD_HEXPLANE_COLUMNS /* of the tables, [level][x, y, z] */
@@ -46,17 +46,17 @@ enum {
     TD_HEXPLANE_PLACES = 11
 };
 
-/* In the order of the state dictionary, which is the order of their weights. */
+/* Heads in the order of the trainer's state dictionary, which is the order of their weights. */
 enum { TD_HEAD_MEAN = 1, TD_HEAD_SCALE = 2, TD_HEAD_ROTATION = 4, TD_HEAD_OPACITY = 8, TD_HEAD_SH = 16, TD_HEADS = 5 };
 
-/* The moment: row of the tables, how far it is to the next, and that one's rate. */
+/* The moment's own numbers: the row of the tables, the fraction of the way to the next row, and the fraction's rate. */
 enum {
     TD_HEXPLANE_ROW = TD_MOMENT_OWN,
     TD_HEXPLANE_FRACTION = TD_MOMENT_OWN + 1,
     TD_HEXPLANE_FRACTION_DOT = TD_MOMENT_OWN + 2
 };
 
-/* Sizes that a kernel is compiled with, so that its arrays are no larger than they must be. */
+/* Widths: those of the object that a kernel is built for, so that its arrays are small; otherwise the greatest. */
 #ifdef TD_BUILD_HEXPLANE_WIDTH
 #define TD_HEXPLANE_WIDTH_HERE TD_BUILD_HEXPLANE_WIDTH
 #define TD_HEXPLANE_FEATURES_HERE TD_BUILD_HEXPLANE_FEATURES
@@ -77,7 +77,8 @@ typedef struct td_hexplane_level {
     td_real fraction, fraction_dot;
 } td_hexplane_level;
 
-/* TD_LANES channels of one Gaussian: `space` is the space planes' product, `place` the columns and fractions. */
+/* TD_LANES channels of one Gaussian. `space`: the space planes' product; `place`: columns of the tables and fractions between
+ * them. */
 TD_INLINE td_dual td_hexplane_sample(const td_hexplane_level *level, TD_GLOBAL const td_real *space,
                                      TD_GLOBAL const td_real *place, int channel) {
     TD_GLOBAL const td_real *table = level->table + channel;
@@ -129,7 +130,7 @@ TD_INLINE void td_hexplane_grid(TD_GLOBAL const td_mover *mover, TD_GLOBAL const
     }
 }
 
-/* A head's outputs for rectified hidden values; 0 outputs where it is off. Returns what follows its weights. */
+/* Outputs of a head for rectified hidden values; zeros where the head is off. Returns the place behind its weights. */
 TD_INLINE TD_GLOBAL const td_real *td_hexplane_head(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *layer, int head,
                                                     const td_dual *hidden, td_dual *between, td_dual *output, int outputs) {
     for (int k = 0; k < outputs; k++) output[k] = td_dual_make(td_splat(0.0f), td_splat(0.0f));
@@ -155,7 +156,7 @@ TD_INLINE void td_hexplane_turn(const td_lanes a[4], const td_dual b[4], td_dual
                           td_dual_fma_still(b[2], a[1], td_dual_fma_still(b[0], a[3], td_dual_fma_still(b[3], a[0], zero))));
 }
 
-/* Raw parameters and what the heads add, to a row of geometry. */
+/* Raw parameters plus the heads' outputs, as a row of geometry. */
 TD_INLINE void td_hexplane_geometry(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *raw, td_index at,
                                     td_dual add[4][4], const td_theta_sink *sink) {
     td_theta theta;
@@ -164,7 +165,7 @@ TD_INLINE void td_hexplane_geometry(TD_GLOBAL const td_mover *mover, TD_GLOBAL c
         td_lanes mean = td_gather(raw + TD_HEXPLANE_MEAN + i, at), log_scale = td_gather(raw + TD_HEXPLANE_SCALE + i, at);
         theta.mean[i] = theta.origin[i] = td_dual_make(mean + add[0][i].v, add[0][i].d);
         td_dual exponent = td_dual_make(log_scale + add[1][i].v, add[1][i].d);
-        scale[i] = td_dual_exp(td_dual_clamp(exponent, -80, 80)); /* float's range */
+        scale[i] = td_dual_exp(td_dual_clamp(exponent, -80, 80)); /* the range in which single precision holds e^x */
     }
     td_lanes base[4];
     for (int i = 0; i < 4; i++) base[i] = td_gather(raw + TD_HEXPLANE_ROTATION + i, at);
@@ -179,7 +180,7 @@ TD_INLINE void td_hexplane_geometry(TD_GLOBAL const td_mover *mover, TD_GLOBAL c
     td_theta_store(&theta, sink);
 }
 
-/* Spherical harmonics and what their head adds; entries that the Gaussians haven't are 0. */
+/* Spherical harmonics plus their head's output. Entries beyond the Gaussians' degree are 0. */
 TD_INLINE void td_hexplane_colour(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *layer, const td_dual *hidden,
                                   td_dual *between, TD_GLOBAL const td_real *sh, td_index at, const td_theta_sink *sink) {
     td_dual add[TD_HEXPLANE_SH_MAX];
@@ -200,7 +201,7 @@ TD_INLINE void td_hexplane_move(TD_GLOBAL const td_mover *mover, TD_GLOBAL const
     TD_GLOBAL const td_real *raw = data + mover->own[TD_HEXPLANE_RECORDS] + features;
     td_index at = gaussian * mover->own[TD_HEXPLANE_STRIDE];
     td_hexplane_grid(mover, data, moment, gaussian, feature);
-    /* The layer behind the trunk, another layer or a head, begins with a ReLU. */
+    /* The layer after the trunk, whether a layer or a head, begins with a ReLU. */
     layer = td_dense(layer, feature, features, hidden, width, 1);
     for (int l = 0; l < mover->own[TD_HEXPLANE_LAYERS]; l++) {
         layer = td_dense(layer, hidden, width, between, width, 1);

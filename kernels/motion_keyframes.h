@@ -1,18 +1,19 @@
-/* Raw parameters given at frames (Dynamic3DGaussians, sequences of .ply files), joined by cubics: on the interval between two
+/* Raw parameters given at frames (Dynamic3DGaussians, sequences of .ply files), joined by cubics. On the interval between two
  * frames, a span of tau, with u in [0, 1],
  *
  *   x = x_0 + (3 u^2 - 2 u^3) (x_1 - x_0) + span (u - 2 u^2 + u^3) x_0' + span (u^3 - u^2) x_1'
  *
- * The slopes x' come from the host, which makes them a C2 spline's, or Catmull and Rom's. The weights are the same for all
- * Gaussians: the moment. Trained numbers stay what they are, so x_1 - x_0 is exact where they are close. */
+ * The host computes the slopes x', of a C2 spline or by Catmull and Rom. The weights are equal for all Gaussians, and come with
+ * the moment. Values at frames aren't changed by packing, so that x_1 - x_0 is exact where they are close. */
 #ifndef TD_MOTION_KEYFRAMES_H
 #define TD_MOTION_KEYFRAMES_H
 
 #include "motion.h"
 
 /* clang-format off */
-/* td_mover.own. Data: TD_KEYFRAMES_REST reals per Gaussian, then frame by frame TD_KEYFRAMES_STRIDE reals per Gaussian: value
- * and slope of each channel. Channels: mean 3, quaternion 4, and from their numbers on, where they are not -1: */
+/* Entries of td_mover.own. Data: TD_KEYFRAMES_REST reals per Gaussian, then frame by frame TD_KEYFRAMES_STRIDE reals per
+ * Gaussian, a value and a slope per channel. Channels are the mean (3), the quaternion (4), and those below from the given
+ * number on; -1: at rest. */
 enum {
     TD_KEYFRAMES_STRIDE = 0,
     TD_KEYFRAMES_LOG_SCALE = 1, /* 3 */
@@ -30,7 +31,7 @@ enum {
 };
 /* clang-format on */
 
-/* Where the numbers of TD_LANES Gaussians are at both ends of the interval. */
+/* Where the numbers of TD_LANES Gaussians are, at both ends of the interval. */
 typedef struct td_keyframes_source {
     TD_GLOBAL const td_real *data, *weight, *weight_dot;
     td_index before, after;
@@ -58,8 +59,8 @@ TD_INLINE td_keyframes_source td_keyframes_find(TD_GLOBAL const td_mover *mover,
     return source;
 }
 
-/* e^log_scale and sigmoid(logit), of the frames or at rest. A scale's logarithm is kept where single precision has room for
- * its square. */
+/* e^log_scale and sigmoid(logit), of the frames or at rest. log_scale is clamped so that single precision holds the scale's
+ * square. */
 TD_INLINE void td_keyframes_shape(TD_GLOBAL const td_mover *mover, const td_keyframes_source *source, td_index gaussian,
                                   td_dual scale[3], td_dual *opacity) {
     int log_scale = mover->own[TD_KEYFRAMES_LOG_SCALE], logit = mover->own[TD_KEYFRAMES_LOGIT];

@@ -1,8 +1,8 @@
-/* Deformable 3D Gaussians (Yang et al. 2024): a network of fully connected layers over the sines and cosines of a canonical
- * mean and of t gives how far a Gaussian has moved, turned and grown.
+/* Deformable 3D Gaussians (Yang et al. 2024): a network of fully connected layers gives how far a Gaussian has moved, turned
+ * and grown. Its inputs are sines and cosines of the canonical mean and of t.
  *
- * The mean's sines don't move and are worked out when packed. The sines of t, or for Blender scenes the outputs of the small
- * network over them, are equal for all Gaussians and come with the moment. */
+ * The mean's sines don't change, and are computed when the object is packed. Sines of t are equal for all Gaussians and come
+ * with the moment. For Blender scenes a small network over the sines of t stands in their place. */
 #ifndef TD_MOTION_NETWORK_H
 #define TD_MOTION_NETWORK_H
 
@@ -17,7 +17,7 @@ enum {
     TD_NETWORK_LAYERS_MAX = 16
 };
 
-/* td_mover.own; places are in the object's numbers. */
+/* Entries of td_mover.own. Places count from the start of the object's numbers. */
 enum {
     TD_NETWORK_WIDTH = 0, /* padded to TD_DENSE_BLOCK */
     TD_NETWORK_LAYERS,
@@ -26,14 +26,14 @@ enum {
     TD_NETWORK_TIMES,     /* inputs from the time: in the moment, values and then rates */
     TD_NETWORK_SCREW,     /* 1: a rigid motion (is_6dof), 0: a displacement */
     TD_NETWORK_WEIGHTS,   /* layers, then the heads: displacement, or axis and shift; rotation; scale */
-    TD_NETWORK_RECORDS,   /* per Gaussian: see below */
+    TD_NETWORK_RECORDS,   /* one per Gaussian, laid out as below */
     TD_NETWORK_STRIDE
 };
 
 /* A Gaussian's record: activated parameters, then the inputs from its mean. */
 enum { TD_NETWORK_MEAN = 0, TD_NETWORK_SCALE = 3, TD_NETWORK_ROTATION = 6, TD_NETWORK_OPACITY = 10, TD_NETWORK_INPUTS = 11 };
 
-/* Sizes that a kernel is compiled with. */
+/* Widths: those of the object that a kernel is built for; otherwise the greatest. */
 #ifdef TD_BUILD_NETWORK_WIDTH
 #define TD_NETWORK_WIDTH_HERE TD_BUILD_NETWORK_WIDTH
 #define TD_NETWORK_POSITIONS_HERE TD_BUILD_NETWORK_POSITIONS
@@ -46,7 +46,7 @@ enum { TD_NETWORK_MEAN = 0, TD_NETWORK_SCALE = 3, TD_NETWORK_ROTATION = 6, TD_NE
 #define td_network_positions(mover) ((mover)->own[TD_NETWORK_POSITIONS])
 #endif
 
-/* Inputs that don't move. */
+/* Adds inputs that don't change in time. */
 TD_INLINE TD_GLOBAL const td_real *td_network_add_still(TD_GLOBAL const td_real *weights, const td_lanes *input, int inputs,
                                                         td_dual sums[TD_DENSE_BLOCK]) {
     for (int i = 0; i < inputs; i++, weights += TD_DENSE_BLOCK)
@@ -54,7 +54,7 @@ TD_INLINE TD_GLOBAL const td_real *td_network_add_still(TD_GLOBAL const td_real 
     return weights;
 }
 
-/* Inputs that are the same for all Gaussians: values and rates of `inputs` numbers. */
+/* Adds inputs that are equal for all Gaussians: `inputs` values, then their rates. */
 TD_INLINE TD_GLOBAL const td_real *td_network_add_times(TD_GLOBAL const td_real *weights, TD_GLOBAL const td_real *times,
                                                         int inputs, td_dual sums[TD_DENSE_BLOCK]) {
     for (int i = 0; i < inputs; i++, weights += TD_DENSE_BLOCK) {
@@ -64,7 +64,7 @@ TD_INLINE TD_GLOBAL const td_real *td_network_add_times(TD_GLOBAL const td_real 
     return weights;
 }
 
-/* All layers, with ReLUs; returns where the hidden values are, and moves `layer` behind them. */
+/* All layers with their ReLUs. Returns the hidden values, and moves `layer` to the place behind the layers' weights. */
 TD_INLINE td_dual *td_network_trunk(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real **layer, const td_lanes *position,
                                     TD_GLOBAL const td_real *times, td_dual *to, td_dual *from) {
     TD_GLOBAL const td_real *weights = *layer;
@@ -95,8 +95,8 @@ TD_INLINE void td_network_cross(const td_dual a[3], const td_dual b[3], td_dual 
     }
 }
 
-/* The rigid motion of `mean` by the exponential of a screw: axis w (not quite of length 1) by the angle |axis|, shift v. The
- * 1e-5 are the trainer's own, and don't guard against 0; the 1e-24 do. */
+/* The rigid motion of `mean` by the exponential of a screw: axis w by the angle |axis|, shift v. The trainer's code adds 1e-5
+ * to lengths, so that w is slightly shorter than 1, and results must equal the trainer's. The 1e-24 avoid division by 0. */
 TD_INLINE void td_network_screw(const td_dual axis[4], const td_dual shift[4], td_dual mean[3]) {
     td_dual sum = td_dual_make(td_splat(0.0f), td_splat(0.0f)), w[3], v[3], sine, cosine;
     for (int i = 0; i < 3; i++) sum = td_dual_fma(axis[i], axis[i], sum);
@@ -123,7 +123,7 @@ TD_INLINE td_dual td_network_still(TD_GLOBAL const td_real *record, int entry, t
     return td_dual_make(td_gather(record + entry, at), td_splat(0.0f));
 }
 
-/* The heads, to a row of geometry. The rotation stays of the length that it has, as in the trainer's rasteriser. */
+/* The heads' outputs, as a row of geometry. The rotation isn't normalised, because the trainer's rasteriser doesn't. */
 TD_INLINE void td_network_geometry(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *layer, const td_dual *hidden,
                                    TD_GLOBAL const td_real *records, td_index at, const td_theta_sink *sink) {
     td_theta theta;

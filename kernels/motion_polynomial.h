@@ -1,17 +1,17 @@
-/* SpacetimeGaussians (Li et al. 2024): means are cubics of the time since each Gaussian's own centre, quaternions lines, and
- * opacity a bell in time.
+/* SpacetimeGaussians (Li et al. 2024): means are cubics of the time since each Gaussian's own centre, quaternions are linear,
+ * and opacity is a bell in time.
  *
  *   dt = tau - centre                  mean = mean_0 + c_1 dt + c_2 dt^2 + c_3 dt^3
  *   q = q_0 + q_dot dt, normalised     opacity = opacity_0 exp(-(dt / width)^2)
  *
- * Scales don't move. With features (the full model): feature_k = f_k, and dt f_k for the last three. */
+ * Scales don't change. The full model has nine features; dt multiplies the last three. */
 #ifndef TD_MOTION_POLYNOMIAL_H
 #define TD_MOTION_POLYNOMIAL_H
 
 #include "motion_bell.h"
 
 /* clang-format off */
-/* A Gaussian's numbers, activated by lib/motion/polynomial.c. */
+/* A Gaussian's numbers, packed by lib/motion/polynomial.c. */
 enum {
     TD_POLYNOMIAL_MEAN = 0,         /* 3 */
     TD_POLYNOMIAL_COEFFICIENT = 3,  /* 9: of dt, dt^2, dt^3; x y z each */
@@ -24,16 +24,16 @@ enum {
     TD_POLYNOMIAL_FEATURE = 26,     /* 6, then 3 that dt multiplies: only with a decoder */
     TD_POLYNOMIAL_STRIDE_MOST = 35
 };
-/* td_mover.own */
+/* td_mover.own: reals per Gaussian. */
 enum { TD_POLYNOMIAL_STRIDE = 0 };
 /* clang-format on */
 
-/* Three entries from k on, at rest. */
+/* Three entries from k on, which don't change in time. */
 TD_INLINE void td_polynomial_load(TD_GLOBAL const td_real *data, td_index index, int k, td_dual out[3]) {
     for (int i = 0; i < 3; i++) out[i] = td_dual_make(td_gather(data, index + (k + i)), td_splat(0.0f));
 }
 
-/* The nine features go where others have SH. */
+/* Stores the nine features in the place of SH coefficients. */
 TD_INLINE void td_polynomial_features(TD_GLOBAL const td_real *data, td_index index, td_dual dt, const td_theta_sink *sink) {
     for (int k = 0; k < TD_FEATURES; k++) {
         td_lanes value = td_gather(data, index + (TD_POLYNOMIAL_FEATURE + k));

@@ -1,19 +1,19 @@
-/* 4-D Gaussians seen at a time (4d-gaussian-splatting of Fudan, Yang et al. 2024): a Gaussian in space and time, sliced at tau,
- * is one in space whose mean drifts evenly, whose covariance is the same at all times, and whose opacity is a bell.
+/* 4-D Gaussians seen at a time (4d-gaussian-splatting of Fudan, Yang et al. 2024). Sliced at tau, such a Gaussian is one in
+ * space: its mean drifts evenly, its covariance is constant, and its opacity is a bell.
  *
  *   dt = tau - centre     mean = mean_0 + velocity dt     opacity = opacity_0 marginal     marginal = exp(-dt^2 / (2 variance))
  *   sh_j = sum_k cos(2 pi k dt / period) sh_kj
  *
- * Their renderer drops Gaussians with marginal <= 0.05: a jump of 5 % of the opacity. Where the image is made continuous
- * (`fades`), it fades instead by a C2 step below that, from a tenth of it: all that their images show stays as it is. Their
- * kernel looks along the direction to the mean at its centre in time, not where it has drifted to: so does this. */
+ * The trainer's renderer drops Gaussians with marginal <= 0.05: a jump of 5 % of the opacity. In a continuous image (`fades`)
+ * opacity falls by a C2 step from there to a tenth of it, and Gaussians above 0.05 look the same. For SH, the direction of view
+ * is to the mean at the Gaussian's centre in time, because the trainer's kernel does so. */
 #ifndef TD_MOTION_ROTOR_H
 #define TD_MOTION_ROTOR_H
 
 #include "motion_bell.h"
 
 /* clang-format off */
-/* A Gaussian's numbers, by lib/motion/rotor.c. */
+/* A Gaussian's numbers, packed by lib/motion/rotor.c. */
 enum {
     TD_ROTOR_MEAN = 0,      /* 3 */
     TD_ROTOR_VELOCITY = 3,  /* 3 */
@@ -39,7 +39,7 @@ TD_INLINE td_dual td_rotor_marginal(TD_GLOBAL const td_mover *mover, td_dual dt,
     return td_dual_mul(marginal, td_dual_make(td_smootherstep(x.v), td_smootherstep_slope(x.v) * x.d));
 }
 
-/* cos(2 pi k (tau - centre) / period), by the angle's difference: sines of the centre and of the time are there already. */
+/* cos(2 pi k (tau - centre) / period), and its rate, from the sines of the centre and of the time. */
 TD_INLINE td_dual td_rotor_turn(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *data, TD_GLOBAL const td_real *moment,
                                 td_index index, int k) {
     td_real c = moment[TD_ROTOR_MOMENT_TURN + 2 * (k - 1)], s = moment[TD_ROTOR_MOMENT_TURN + 2 * (k - 1) + 1];
@@ -49,7 +49,7 @@ TD_INLINE td_dual td_rotor_turn(TD_GLOBAL const td_mover *mover, TD_GLOBAL const
     return td_dual_make(td_fma(own_c, c, own_s * s), -sine * (mover->real[TD_ROTOR_FREQUENCY] * (td_real)k));
 }
 
-/* Spherical harmonics at the time; each harmonic's entries follow the last one's. */
+/* Spherical harmonics at the time. The entries of one harmonic follow those of the harmonic before it. */
 TD_INLINE void td_rotor_move_sh(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *data, TD_GLOBAL const td_real *moment,
                                 td_index index, const td_theta_sink *sink) {
     int harmonics = mover->own[TD_ROTOR_HARMONICS], entries = mover->own[TD_ROTOR_SH_ENTRIES];

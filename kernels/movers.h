@@ -1,4 +1,4 @@
-/* Which model moves an object. In kernels TD_BUILD_MODEL is the one model that is compiled; the reference has all of them. */
+/* Calls the motion model of an object. An OpenCL program contains one model, TD_BUILD_MODEL; the reference contains all. */
 #ifndef TD_MOVERS_H
 #define TD_MOVERS_H
 
@@ -15,7 +15,8 @@
 #define TD_HAS_MODEL(code) 1
 #endif
 
-/* TD_LANES Gaussians of one object (numbers within the object) at a moment, to `sink`. `data` begins with the object's. */
+/* TD_LANES Gaussians of one object at a moment, to `sink`. `gaussian` counts within the object, whose numbers begin at
+ * `data`. */
 TD_INLINE void td_move_group(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *data, TD_GLOBAL const td_real *moment,
                              td_index gaussian, const td_theta_sink *sink) {
     if (TD_HAS_MODEL(TD_MOTION_POLYNOMIAL) && mover->model == TD_MOTION_POLYNOMIAL)

@@ -1,5 +1,5 @@
-/* Functions for every dialect (lanes.h): exp and log made of basic operations, so that host and device agree to the bit. In
- * double precision those of exact.h. */
+/* exp and log for every dialect, made of basic operations, so that host and device agree to the bit. In double precision they
+ * are the functions of exact.h. */
 #ifndef TD_NUMERICS_H
 #define TD_NUMERICS_H
 
@@ -15,7 +15,7 @@ TD_INLINE td_lanes td_inverse_power(td_lanes x) {
 #endif
 }
 
-/* Not a number, in the same bits everywhere. */
+/* NaN, in the same bits everywhere. */
 TD_INLINE td_lanes td_not_a_number(void) {
 #ifdef TD_REAL_DOUBLE
     return td_exact_not_a_number();
@@ -27,9 +27,9 @@ TD_INLINE td_lanes td_not_a_number(void) {
 /* Lanes that are infinite or not a number. */
 TD_INLINE td_mask td_is_broken(td_lanes x) { return x - x != 0.0f; }
 
-/* 2^x for x <= 127, error < 1.8 ulp on the float side, exact for whole x. Below -126 it stays at 2^-126. Degree 5 polynomial on
- * [-1/2, 1/2] through 1 at 0, its coefficients searched as floats for the least error in ulp as evaluated here (a rounded
- * minimax polynomial is at 2.6); the magic constant 1.5 * 2^23 rounds. */
+/* 2^x for x <= 127, error < 1.8 ulp in single precision, exact for whole x. Below -126 it stays at 2^-126. On [-1/2, 1/2] it is
+ * a polynomial of degree 5 through 1 at 0. Its coefficients were searched as floats for the least error in ulp as evaluated
+ * here; a rounded minimax polynomial has 2.6. Adding the magic constant 1.5 * 2^23 rounds. */
 TD_INLINE td_lanes td_exp2(td_lanes x) {
 #ifdef TD_REAL_DOUBLE
     return td_exact_exp2(x);
@@ -50,8 +50,8 @@ TD_INLINE td_lanes td_exp2(td_lanes x) {
 #endif
 }
 
-/* Natural logarithm of a positive normal number, < 2 ulp. x = m 2^e with m in [sqrt(1/2), sqrt(2)), s = (m - 1)/(m + 1),
- * ln m = 2 s + s^3 Q(s^2) with Q the degree 2 minimax polynomial (Remez, 1.6e-9); ln 2 is split in two (Cody and Waite). */
+/* Natural logarithm of a positive normal number, < 2 ulp. x = m 2^e with m in [sqrt(1/2), sqrt(2)), s = (m - 1)/(m + 1), and ln
+ * m = 2 s + s^3 Q(s^2). Q is the minimax polynomial of degree 2 (Remez, 1.6e-9). ln 2 is split in two (Cody and Waite). */
 #ifndef TD_REAL_DOUBLE
 /* x = m 2^e */
 TD_INLINE td_lanes td_mantissa(td_lanes x, td_lanes *e) {
@@ -93,7 +93,7 @@ TD_INLINE td_lanes td_log(td_lanes x) {
 #endif
 }
 
-/* ln x, to some more ulp than td_log, and 1/x, with one division for both; x above 1e-18. */
+/* ln x and 1/x with one division for both, for x above 1e-18. The error of ln x is some ulp more than td_log's. */
 TD_INLINE td_lanes td_log_inverse(td_lanes x, td_lanes *inverse) {
 #ifdef TD_REAL_DOUBLE
     return td_exact_log_inverse(x, inverse);

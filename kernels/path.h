@@ -1,24 +1,23 @@
-/* Record paths: what a splat is at any time of an interval, from rows worked out at a few times within it, the nodes.
+/* Record paths: a splat at any time of an interval, from rows computed at a few times within it, the nodes.
  *
- * The motion of splats on the screen is far smoother than the light of pixels. So a splat is projected at nodes only, and is
- * the cubic through the values and the rates of its two neighbouring rows in between (Hermite); the cubic's derivative is its
- * rate. Every image made of paths is one image, whose rates are exactly its own. A splat has 2^level times as many nodes as the
- * interval has pieces; its rows follow one another.
+ * The motion of splats on the screen is far smoother than the light of pixels. So a splat is projected at nodes only. In
+ * between, it is the cubic through the values and rates of the two neighbouring rows (Hermite), and the cubic's derivative is
+ * its rate. All images made of paths agree, and their rates are exact. A splat has 2^level curves in each piece of the
+ * interval; its rows are neighbours in memory.
  *
- * Interpolated are mean2d; b, c and the determinant of the covariance; opacity with antialiasing but without the near plane's
- * fade, which follows the interpolated depth; luminance; depth. The conic is (c, -b, a) / det with a = (det + b^2) / c: sums of
- * terms that aren't negative, so that a needle's width doesn't cancel, as it would in a c - b^2.
- *
- * Host, device, float and double compile this file. */
+ * The numbers interpolated are mean2d; b, c and the determinant of the covariance; opacity; luminance; depth. Opacity is that
+ * with antialiasing and without the near plane's fade, which is applied by the interpolated depth. The conic is (c, -b,
+ * a) / det with a = (det + b^2) / c. This is a sum of terms that aren't negative, so that a needle's width doesn't cancel, as
+ * it would in a c - b^2. */
 #ifndef TD_PATH_H
 #define TD_PATH_H
 
 #include "extent.h"
 #include "transpose.h"
 
-/* The weights of a time, per lane (interpolate.h has the same for times that all lanes share). */
+/* The weights of a time, one set per lane. */
 typedef struct td_path_cubic {
-    td_lanes way, start, end;             /* 1, s, s */
+    td_lanes way, start, end;             /* W [1], W0, W1 [s], for value = v0 + W (v1 - v0) + W0 r0 + W1 r1 */
     td_lanes way_dot, start_dot, end_dot; /* their derivatives */
 } td_path_cubic;
 

@@ -1,18 +1,19 @@
-/* Rows of record paths (path.h): Gaussians projected at a node, by how much the cubic through two rows misses one in the
- * middle, and twice as many rows where cubics will do. */
+/* Rows of record paths: projects Gaussians at nodes, measures by how much the cubic through two rows misses a row in the
+ * middle, and makes twice as many rows where cubics are accurate enough. */
 #ifndef TD_PATH_NODE_H
 #define TD_PATH_NODE_H
 
 #include "path.h"
 #include "record.h"
 
-/* Where the rows go. */
+/* Where rows are stored. */
 typedef struct td_node_sink {
     TD_GLOBAL td_real *rows;
-    TD_GLOBAL td_real *beside; /* green and blue, where light isn't linear in colours */
+    TD_GLOBAL td_real *beside; /* green, blue and their rates, where light isn't linear in colours; then `rows` has red */
 } td_node_sink;
 
-/* Splats from 2^24 px on, 2^48 px^2, have determinants that the projection makes smaller (td_shrink_wide): no row of these. */
+/* The splats whose row may be used. The projection scales splats wider than 2^24 px (2^48 px^2) down, so that their determinant
+ * isn't their own. */
 TD_INLINE td_mask td_node_holds(const td_shape *shape) {
     const td_real wide = TD_REAL(281474976710656.0);
     td_lanes all = (shape->conic[0].d + shape->conic[2].d) + (shape->u.d + shape->v.d);
@@ -32,7 +33,7 @@ TD_INLINE void td_node_lay(const td_shape *shape, td_dual luminance, td_lanes en
     entry[TD_P_DEPTH] = shape->depth.v, entry[TD_PATH_NUMBERS + TD_P_DEPTH] = shape->depth.d;
 }
 
-/* Green and blue to their rows. */
+/* Stores green, blue and their rates. */
 TD_INLINE void td_node_lay_beside(const td_colour *colour, td_index row, TD_GLOBAL td_real *beside) {
     int at[TD_LANES];
     td_index_lanes(row, at);
@@ -73,8 +74,8 @@ TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int 
 
 /* -- halving ------------------------------------------------------------------------------------------------------- */
 
-/* The row in the middle of the cubic between two that are `h` seconds apart, `numbers` and then as many rates: both halves are
- * that cubic. */
+/* The row in the middle of the cubic between two rows that are `h` seconds apart: `numbers` values, then as many rates. The
+ * cubics of both halves are then equal to this cubic. */
 TD_INLINE void td_path_middle_row(TD_GLOBAL const td_real *from, TD_GLOBAL const td_real *to, td_real h, int numbers,
                                   TD_GLOBAL td_real *middle) {
     const td_real per_h = TD_REAL(1.5) / h, eighth = TD_REAL(0.125) * h;
@@ -85,9 +86,8 @@ TD_INLINE void td_path_middle_row(TD_GLOBAL const td_real *from, TD_GLOBAL const
     }
 }
 
-/* A path's rows of the next level, of so many numbers, from row `to` on, of those of this one, 2^level curves a piece from
- * row `from` on: every other is one of these, and what is between two of them is their cubic's. `pieces` of lengths[piece]
- * seconds. */
+/* Makes a path's rows of the next level, from row `to` on, of rows of this level, 2^level curves per piece, from row `from` on.
+ * Every second row is a copy; the rows between are those of the cubic. Piece k has lengths[k] seconds. */
 TD_INLINE void td_path_halve(TD_GLOBAL td_real *rows, int numbers, int from, int to, int level, int pieces,
                              TD_GLOBAL const td_real *lengths) {
     const int parts = 1 << level, stride = 2 * numbers;
@@ -105,7 +105,7 @@ TD_INLINE void td_path_halve(TD_GLOBAL td_real *rows, int numbers, int from, int
 
 /* -- the misfit ---------------------------------------------------------------------------------------------------- */
 
-/* How far a number is off, and its rate. */
+/* The error of a number, and of its rate. */
 typedef struct td_path_stray {
     td_dual u, v, a, b, c, det, opacity, luminance;
 } td_path_stray;
@@ -120,16 +120,17 @@ TD_INLINE td_path_stray td_path_compare(const td_path_splat *path, td_dual path_
     return off;
 }
 
-/* The greatest change of log_luminance for small changes of a splat's numbers, where splat_alpha changes most: for a splat
- * before black, or the other way round (interpolate.h). An opaque splat is all that is seen there. So is a faint one before
- * black, but for log_eps: log_luminance changes by luminance / (opacity luminance + log_eps) times the change of alpha. From an
- * opacity of 0.05 on that factor is counted less and less, because a splat that takes more light is seen less by itself. Above
- * 0.14 it counts nothing; without this, reports of such scenes are 2 to 4 times the true change. Changes of light count in
- * full, because the splat may be faint at some time.
+/* The greatest change of log_luminance for small changes of a splat's numbers, where splat_alpha changes most. The worst case
+ * is a splat before black, or black before the splat. An opaque splat is all that is seen there, and so is a faint one before
+ * black. log_luminance changes by luminance / (opacity luminance + log_eps) times the change of alpha. From an opacity of 0.05
+ * on this factor is reduced, because a splat that takes more light is seen less by itself. Above 0.14 the factor is 1; without
+ * the reduction, the errors found in such scenes are 2 to 4 times the true ones. Changes of light count in full, because the
+ * splat may be faint at some time.
  *
- * A shift d of the mean changes alpha by e^(-1/2) opacity sqrt(d^T Q d) at most, one standard deviation out; a change D of the
- * covariance by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates where the
- * splat is round, with tr(M) = ddet / det to first order and det(M) = det(D) / det: without the conic, which would cancel. */
+ * A shift d of the mean changes alpha by at most e^(-1/2) opacity sqrt(d^T Q d), one standard deviation out. A change D of the
+ * covariance changes it by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates
+ * where the splat is round, with tr(M) = ddet / det to first order and det(M) = det(D) / det: no conic is needed, which would
+ * cancel. */
 TD_INLINE td_lanes td_path_change(const td_path_splat *own, td_lanes own_a, td_lanes du, td_lanes dv, td_lanes da, td_lanes db,
                                   td_lanes dc, td_lanes ddet, td_lanes dopacity, td_lanes dluminance, td_real log_eps) {
     td_lanes inverse = 1.0f / own->det.v;
@@ -147,18 +148,18 @@ TD_INLINE td_lanes td_path_change(const td_path_splat *own, td_lanes own_a, td_l
     return td_fma(opacity * td_larger(alone * faint * faint, one), place, light);
 }
 
-/* Bound on the part of a change that rounding of the numbers may make: of mean2d, to its last digits, and of the covariance's
- * entries, by |M|. A needle at an angle is sensitive to them. */
+/* Bound on the part of a change that comes from rounding of mean2d and of the covariance's entries. A needle at an angle is
+ * sensitive to it. */
 TD_INLINE td_lanes td_path_noise(const td_path_splat *own, td_lanes own_a, td_real rounding) {
     td_lanes a = rounding * own_a, c = rounding * own->c.v;
     td_lanes inverse = 1.0f / own->det.v;
     td_lanes u = rounding * own->u.v, v = rounding * own->v.v;
-    td_lanes shift = td_sqrt((own->c.v * u * u + own_a * v * v) * inverse); /* without what cancels */
+    td_lanes shift = td_sqrt((own->c.v * u * u + own_a * v * v) * inverse); /* without a conic, which would cancel */
     td_lanes shape = 2.0f * td_sqrt(a * c * inverse) + rounding;
     return td_size(own->opacity.v) * (shape + shift + rounding);
 }
 
-/* The cubic's middle, `h` seconds long. */
+/* The weights of a cubic's middle; the cubic is `h` seconds long. */
 TD_INLINE td_path_cubic td_path_middle(td_real h) {
     td_path_cubic cubic;
     cubic.way = td_splat(0.5f), cubic.start = td_splat(0.125f * h), cubic.end = td_splat(-0.125f * h);
@@ -166,7 +167,7 @@ TD_INLINE td_path_cubic td_path_middle(td_real h) {
     return cubic;
 }
 
-/* A row as it is. */
+/* The splat of one row. */
 TD_INLINE td_path_splat td_path_row(const td_lanes entry[TD_PATH_STRIDE]) {
     td_path_splat splat;
     splat.u = td_dual_make(entry[TD_P_U], entry[TD_PATH_NUMBERS + TD_P_U]);
@@ -184,8 +185,8 @@ TD_INLINE td_dual td_path_a(const td_path_splat *splat) {
     return td_dual_mul(td_dual_fma(splat->b, splat->b, splat->det), td_dual_reciprocal(splat->c));
 }
 
-/* Luminance of three channels, that of red being in `luminance` so far: their sum. Errors add by size, since one channel's lack
- * of light isn't made up for by another's excess. */
+/* Adds green and blue to `luminance`, which is red so far. Errors add by absolute value, since an error of one channel isn't
+ * made up for by another's. */
 TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, const td_path_cubic *cubic,
                                 const td_image *image, td_path_splat *own, td_path_stray *off) {
     own->luminance = td_dual_scale(own->luminance, image->luminance[0]);
@@ -204,12 +205,12 @@ TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, c
     }
 }
 
-/* Misfit of TD_LANES splats within one piece of `h` seconds whose rows, at its start, middle and end, follow one another from
- * `row` on: by how many tolerances log_luminance may be off in the halves. Not above 1: the halves' cubics will do.
+/* Misfit of TD_LANES splats within one piece of `h` seconds, whose rows at its start, middle and end are neighbours from `row`
+ * on. It is the possible error of log_luminance within the halves, in tolerances; up to 1 the halves' cubics are accurate
+ * enough.
  *
- * Value and rate are compared, the rate over half the piece: that bounds what the halves' cubics are off by, up to a tenth,
- * where the path has a kink; a smooth one they follow 16 times better (interpolate.h). Beside the tolerance stands what
- * rounding makes of numbers. */
+ * Values are compared, and rates over half the piece. Their sum bounds the error of the halves' cubics at a kink, up to a
+ * tenth; a smooth path follows its halves' cubics 16 times better. The error from rounding is added to the tolerance. */
 TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, TD_GLOBAL const td_real *beside, td_index row, td_real h,
                                   const td_path_terms *terms, const td_image *image) {
     td_lanes start[TD_PATH_STRIDE], middle[TD_PATH_STRIDE], end[TD_PATH_STRIDE];
@@ -233,9 +234,9 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, TD_GLOBAL const
     return td_select(td_splat(TD_PATH_NEVER), misfit, there & near);
 }
 
-/* Misfits of TD_LANES splats over all pieces of the interval, the largest. `pieces` of lengths[piece] seconds, each cut into
- * 2^level; a splat's rows begin at first[lane]. `level` is 1 at least. Curve k's own misfits go to each[k x stride], with a
- * stride of 0 nowhere. */
+/* The largest misfit of each of TD_LANES splats over all pieces of the interval. Piece k has lengths[k] seconds and is cut into
+ * 2^level, level >= 1. A splat's rows begin at first[lane]. The misfit of curve k goes to each[k x stride], or nowhere for
+ * stride 0. */
 TD_INLINE td_lanes td_path_try_each(TD_GLOBAL const td_real *rows, TD_GLOBAL const td_real *beside, td_index first, int level,
                                     int pieces, TD_GLOBAL const td_real *lengths, const td_path_terms *terms,
                                     const td_image *image, TD_GLOBAL td_real *each, int stride) {

@@ -1,5 +1,5 @@
-/* One work-group per node job: its Gaussians, TD_LANES at a time, to rows of record paths; and paths of twice as many rows
- * (path_node.h). */
+/* One work-group per node job: it projects the job's Gaussians, TD_LANES at a time, to rows of record paths. Another kernel
+ * makes paths with twice as many rows. */
 #include "path_node.h"
 
 /* Prefetches the data of groups ahead: where few of all Gaussians are wanted, nothing else brings it near. */
@@ -43,7 +43,8 @@ __kernel void td_project_nodes(__constant const td_image *image_buffer, __global
                    (int)get_local_id(0) * TD_LANES, (int)get_local_size(0) * TD_LANES);
 }
 
-/* Paths' rows of the next level, at `to`, of those at `from`: (count); and what is beside them, where anything is. */
+/* Makes rows of the next level at `to` of those at `from`, for `count` paths; `beside` are green and blue where light isn't
+ * linear in colours. */
 __kernel void td_halve_paths(__global td_real *rows, __global td_real *beside, int is_coded, __global const int *from,
                              __global const int *to, int count, int level, int pieces, __global const td_real *lengths) {
     for (int i = (int)get_global_id(0); i < count; i += (int)get_global_size(0)) {

@@ -32,7 +32,7 @@ typedef struct td_point_entry {
     td_lanes green, green_dot, blue, blue_dot;
 } td_point_entry;
 
-/* Reals of an entry. */
+/* Reals per lane of an entry. */
 TD_INLINE int td_point_room(const td_image *image) {
     return (td_is_coded(image) ? TD_POINT_CODED_NUMBERS : TD_POINT_NUMBERS) * TD_LANES;
 }
@@ -109,16 +109,17 @@ TD_INLINE int td_point_insert(const td_image *image, TD_GLOBAL td_real *entries,
     return passed;
 }
 
-/* Entries so far, how many of the others these passed on their way to their places, and whether they no longer have them. */
+/* The number of entries, how many others they passed on the way to their places, and 1 where they are no longer kept in
+ * order. */
 typedef struct td_point_order {
     int count, passed, loose;
 } td_point_order;
 
-/* Passed by an entry on average where the list's order is of no use; so many entries more are allowed for, or a handful would
- * be sorted. A choice: 3 makes no difference that can be measured. */
+/* Entries that an entry passes on average before the order counts as useless; so many entries more are allowed for, lest a
+ * handful is sorted. A choice: 3 makes no measurable difference. */
 enum { TD_POINT_PATIENCE = 8 };
 
-/* Adds an entry: in its place, or in any, for td_point_sort. */
+/* Adds an entry, in its place, or at the end where all are sorted later. */
 TD_INLINE void td_point_add(const td_image *image, TD_GLOBAL td_real *entries, const td_point_entry *entry,
                             td_point_order *order) {
     if (order->loose)
@@ -129,8 +130,8 @@ TD_INLINE void td_point_add(const td_image *image, TD_GLOBAL td_real *entries, c
     order->loose |= order->passed > TD_POINT_PATIENCE * (order->count + TD_POINT_PATIENCE);
 }
 
-/* Shell's sort, by the gaps of Gonnet and Baeza-Yates (each 5/11 of the one before): 400 entries pass 6400 others, where their
- * places are any in each of 8 lanes, and 71 000 by insertion. */
+/* Shell's sort with the gaps of Gonnet and Baeza-Yates (each 5/11 of the one before). 400 entries at random places in each of 8
+ * lanes pass 6400 others; by insertion they pass 71 000. */
 TD_INLINE void td_point_sort(const td_image *image, TD_GLOBAL td_real *entries, int count) {
     for (int gap = count; gap > 1;) {
         gap = gap > 3 ? (5 * gap - 1) / 11 : 1;
@@ -141,7 +142,7 @@ TD_INLINE void td_point_sort(const td_image *image, TD_GLOBAL td_real *entries, 
     }
 }
 
-/* All are added: they have their places. */
+/* Brings all entries in order, after the last was added. */
 TD_INLINE void td_point_settle(const td_image *image, TD_GLOBAL td_real *entries, const td_point_order *order) {
     if (order->loose) td_point_sort(image, entries, order->count);
 }

@@ -1,17 +1,18 @@
-/* Light on its way to single pixels at single times (points.h): lanes are points, each with an order of its own, so that what
- * soft_order.h and compositing.h know of a splat for all pixels at once has a value per lane here. */
+/* Composites the splats that points see. Lanes are points, single pixels at single times. Each lane has its own depth order, so
+ * that distances in depth, which all pixels of a tile share elsewhere, are vectors here. */
 #ifndef TD_POINT_LIGHT_H
 #define TD_POINT_LIGHT_H
 
 #include "point_splats.h"
 
-/* Light on its way to the points: T, A, and luminance, or red, green and blue where light isn't linear in them. */
+/* Light on its way to the points: T, the density A, and luminance, or red, green and blue where light isn't linear in
+ * colours. */
 typedef struct td_point_light {
     td_lanes t, t_dot, a, a_dot;
     td_channel first, green, blue;
 } td_point_light;
 
-/* Hard order (td_blend_alpha). */
+/* Blends a splat in hard order. */
 TD_INLINE void td_point_hard(const td_image *image, const td_point_entry *splat, td_point_light *light) {
     td_lanes tau = splat->takes, w = light->t * tau, w_dot = td_fma(light->t, splat->takes_dot, light->t_dot * tau);
     td_channel_show(w, w_dot, splat->luminance, splat->luminance_dot, &light->first.y, &light->first.y_dot);
@@ -23,13 +24,13 @@ TD_INLINE void td_point_hard(const td_image *image, const td_point_entry *splat,
     light->t_dot = light->t_dot - w_dot;
 }
 
-/* The splat seen last, in each lane. */
+/* The last splat that each lane saw. */
 typedef struct td_point_last {
     td_lanes depth, growth;
 } td_point_last;
 
-/* An entry's depth and growth become the way to it from the splat in front: where that is near m = 1 - exp(-x) and its rate
- * (td_soft_steps), else the end of what that one takes, 1 and 0; where the point sees nothing of it, no way at all, 0 and 0. */
+/* An entry's depth and growth are replaced by the distance m = 1 - exp(-x) from the splat in front, and its rate. Where that
+ * splat isn't near, m = 1 and its rate 0: all its light is taken. Where the point doesn't see the splat, both are 0. */
 enum { TD_E_M = TD_E_DEPTH, TD_E_M_DOT = TD_E_GROWTH };
 
 TD_INLINE void td_point_measure(const td_image *image, TD_GLOBAL td_real *entry, td_point_last *last) {
@@ -49,7 +50,7 @@ TD_INLINE void td_point_measure(const td_image *image, TD_GLOBAL td_real *entry,
     last->growth = td_select(last->growth, growth, sees);
 }
 
-/* Soft order: light goes a way of m on, and densities fall (td_soft_go). Where m is 0 all stays as it is, to the bit. */
+/* Soft order: light passes a distance m, and densities fall. Where m is 0 all values stay, to the bit. */
 TD_INLINE void td_point_go(const td_image *image, td_lanes m, td_lanes m_dot, td_point_light *light) {
     const td_real log2_e = TD_REAL(1.44269504088896340736), tiny = TD_REAL(1e-20);
     td_lanes none = td_splat(0.0f), left = 1 - m, a = light->a, a_dot = light->a_dot;
@@ -58,7 +59,7 @@ TD_INLINE void td_point_go(const td_image *image, td_lanes m, td_lanes m_dot, td
     td_lanes inverse = 1 / (a + tiny);
     td_lanes w = (light->t - t) * inverse, w_dot = td_fma(-w, a_dot, light->t_dot - t_dot) * inverse;
     light->t = t, light->t_dot = t_dot;
-    td_mask on = (a * left > tiny) | (m == 0.0f); /* next to nothing is nothing (td_soft_clear) */
+    td_mask on = (a * left > tiny) | (m == 0.0f); /* negligible densities become 0 */
     left = td_select(none, left, on), m_dot = td_select(none, m_dot, on);
     light->a = a * left, light->a_dot = td_fma(a_dot, left, a * -m_dot);
     td_channel_go(w, w_dot, left, m_dot, &light->first);
@@ -67,7 +68,8 @@ TD_INLINE void td_point_go(const td_image *image, td_lanes m, td_lanes m_dot, td
     td_channel_go(w, w_dot, left, m_dot, &light->blue);
 }
 
-/* A splat begins to take out light. A splat without a near neighbour does so too, but for rounding. */
+/* A splat begins to take light from a channel. A splat without a near neighbour is treated likewise: the result is that of hard
+ * order, except for rounding. */
 TD_INLINE void td_point_begin_channel(TD_GLOBAL const td_real *entry, int k, td_lanes takes, td_lanes takes_dot,
                                       td_channel *of) {
     td_lanes value = td_load_lanes(entry + k * TD_LANES), rate = td_load_lanes(entry + (k + 1) * TD_LANES);
@@ -83,7 +85,8 @@ TD_INLINE void td_point_begin(const td_image *image, TD_GLOBAL const td_real *en
     td_point_begin_channel(entry, TD_E_BLUE, takes, takes_dot, &light->blue);
 }
 
-/* All that the points see, front to back. Ways don't depend on one another: they have a loop of their own (TD_POINT_BATCH). */
+/* Composites all that the points see, front to back. Distances don't depend on one another, so that their loop runs ahead,
+ * TD_POINT_BATCH entries at a time. */
 TD_INLINE td_point_light td_point_composite(const td_image *image, TD_GLOBAL td_real *entries, int count) {
     td_lanes none = td_splat(0.0f);
     const td_channel dark = td_channel_dark();
@@ -107,12 +110,12 @@ TD_INLINE td_point_light td_point_composite(const td_image *image, TD_GLOBAL td_
     return light;
 }
 
-/* The background, at rest: luminance, or red, green and blue. */
+/* The background, which doesn't change in time: luminance, or red, green and blue. */
 typedef struct td_point_backdrop {
     td_real first, first_dot, green, blue;
 } td_point_backdrop;
 
-/* L, L_dot and Y with it (td_finish_signal, td_finish_coded). */
+/* L, L_dot and Y over the background. */
 TD_INLINE void td_point_finish(const td_image *image, const td_point_light *light, const td_point_backdrop *behind,
                                td_lanes planes[3]) {
     td_lanes t = light->t, t_dot = light->t_dot, channel[6], growth;

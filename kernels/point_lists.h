@@ -1,12 +1,12 @@
-/* Record paths as single pixels read them (points.h): curves, and for each tile the splats that it may see within an interval,
- * in a depth order. */
+/* Record paths in the form that points need, single pixels at single times. Paths are stored as polynomials, and each tile has
+ * a list of the splats that it may see within an interval, in one depth order. */
 #ifndef TD_POINT_LISTS_H
 #define TD_POINT_LISTS_H
 
 #include "path.h"
 
-/* A tile's list, whose places begin at `first`: `count` candidates in any order; then, once made, so many places of which the
- * first ones are taken. Both are multiples of TD_PAD. */
+/* A tile's list. It begins with `count` candidates in any order at place `first`. Once made, it has `count` places, of which
+ * the first ones are used. Both numbers are multiples of TD_PAD. */
 typedef struct td_point_tile {
     int x, y; /* its top left pixel */
     int first, count;
@@ -15,25 +15,25 @@ typedef struct td_point_tile {
 /* Up to TD_LANES points, neighbours of one tile. */
 typedef struct td_point_chunk {
     int tile;
-    int first, count; /* of the points */
+    int first, count; /* [first, first + count) among the points */
 } td_point_chunk;
 
-/* Points as arrays: pixel centres, where in its piece each is in [0, 1], the piece's length [s], the piece. */
+/* Points as arrays: pixel centres [px], place within the piece in [0, 1], the piece's length [s], the piece's number. */
 typedef struct td_point_arrays {
     TD_GLOBAL const td_real *x, *y, *s, *h;
     TD_GLOBAL const int *piece;
 } td_point_arrays;
 
-/* Slices of an interval, in which what splats reach is known more narrowly: of its one piece so many that 2^split make it up,
- * or where it has several, `group` pieces each. */
+/* An interval's slices, short parts with tighter bounds on what splats reach. If the interval is one piece, it has 2^split
+ * slices. If it has several pieces, a slice is `group` of them. */
 typedef struct td_point_slices {
-    int pieces; /* of the interval */
+    int pieces; /* number of the interval's pieces */
     int count, split, group;
 } td_point_slices;
 
 /* Paths as points read them: between two rows a curve, each number a0 + a1 s + a2 s^2 + a3 s^3 for s in [0, 1]; first all a0,
- * then all a1, ... A splat's curves follow one another: it has pieces << level. One whose determinant is 0 can't be used:
- * nothing is seen of it. */
+ * then all a1, ... A splat has pieces << level curves, which are neighbours. A curve whose determinant is 0 can't be used, and
+ * its splat isn't seen. */
 enum { TD_CURVE_REALS = 4 * TD_PATH_NUMBERS, TD_BESIDE_REALS = 4 * TD_BESIDE_NUMBERS };
 typedef struct td_point_paths {
     TD_GLOBAL const td_real *curves; /* TD_CURVE_REALS each */
@@ -53,7 +53,7 @@ typedef struct td_point_lists {
 
 /* -- curves -------------------------------------------------------------------------------------------------------- */
 
-/* The curve between rows that are h seconds apart. */
+/* Makes the curve between two rows that are h seconds apart. */
 TD_INLINE void td_point_curve(TD_GLOBAL const td_real *from, TD_GLOBAL const td_real *to, td_real h, TD_GLOBAL td_real *curve) {
     int whole = from[TD_P_DET] > 0 && to[TD_P_DET] > 0;
     for (int k = 0; k < TD_PATH_NUMBERS; k++) {
@@ -66,7 +66,7 @@ TD_INLINE void td_point_curve(TD_GLOBAL const td_real *from, TD_GLOBAL const td_
     }
 }
 
-/* The curve of the colours beside it. */
+/* Makes the curve of green and blue between two rows that are h seconds apart. */
 TD_INLINE void td_point_curve_beside(TD_GLOBAL const td_real *from, TD_GLOBAL const td_real *to, td_real h,
                                      TD_GLOBAL td_real *curve) {
     for (int k = 0; k < TD_BESIDE_NUMBERS; k++) {
@@ -78,7 +78,8 @@ TD_INLINE void td_point_curve_beside(TD_GLOBAL const td_real *from, TD_GLOBAL co
     }
 }
 
-/* Depth in the middle of the interval, as a number that sorts alike; 0 for a splat that is behind the camera then. */
+/* The depth in the middle of the interval, as a positive int that sorts like it. 0 for a splat that is behind the camera
+ * then. */
 TD_INLINE int td_point_depth_key(const td_point_paths *paths, int path) {
     int middle = (paths->slices.pieces << (path & (TD_PATH_LEVELS - 1))) / 2;
     float depth = (float)paths->curves[(path / TD_PATH_LEVELS + middle) * TD_CURVE_REALS + TD_P_DEPTH];
@@ -97,14 +98,15 @@ typedef struct td_point_eight {
     td_lanes a, b, c, d, e, f, g, h;
 } td_point_eight;
 
-/* Number k, which is known where it's compiled. */
+/* Number k, a constant where it is inlined. */
 TD_INLINE td_lanes td_point_pick(const td_point_eight *x, int k) {
     if (k < 4) return k < 2 ? (k == 0 ? x->a : x->b) : (k == 2 ? x->c : x->d);
     return k < 6 ? (k == 4 ? x->e : x->f) : (k == 6 ? x->g : x->h);
 }
 
 #if TD_LANES > 1
-/* td_transpose without arrays, which would stay in memory (layout.h): of eight lanes a block of 8x8, of four two of 4x4. */
+/* Transposes eight vectors: of eight lanes a block of 8x8, of four lanes two of 4x4. Without arrays: PoCL would keep them in
+ * memory. */
 #if TD_LANES == 8
 TD_INLINE td_point_eight td_point_zip(const td_point_eight *x) {
     td_point_eight y;
@@ -129,11 +131,12 @@ TD_INLINE td_point_eight td_point_turn(const td_point_eight *x) {
 }
 #endif
 
-/* Where vector i, 0..7, is, of eight reals at each lane's place: lane by lane, or all first halves, then all second ones. */
+/* The place of vector i, 0..7, of eight reals at each lane's place: lane by lane, or first all first halves, then all second
+ * ones. */
 #define TD_POINT_PLACE(at, i) ((at)[(i) % TD_LANES] + (i) / TD_LANES * TD_LANES)
 #endif
 
-/* Eight reals at each of TD_LANES places: all the first, all the second, ... */
+/* Loads eight reals at each of TD_LANES places: a vector of the first, a vector of the second, ... */
 TD_INLINE td_point_eight td_point_load_eight(TD_GLOBAL const td_real *array, const int at[TD_LANES]) {
     td_point_eight x;
 #if TD_LANES > 1

@@ -1,5 +1,5 @@
-/* The splats that a point sees (points.h), TD_LANES of them at a time: each on its curve at the point's time, what the point
- * sees of it, and how that is kept until all are known. */
+/* The splats that points see, each on its curve at the point's time. TD_LANES points, single pixels at single times, are
+ * handled together. What they see of a splat becomes an entry, kept until all are known. */
 #ifndef TD_POINT_SPLATS_H
 #define TD_POINT_SPLATS_H
 
@@ -10,8 +10,8 @@
 
 /* -- curves at a time ---------------------------------------------------------------------------------------------- */
 
-/* Where a lane's time is on the curves of each level, [level][lane]: which of a splat's, as reals from its first on; s on it;
- * and s by time. Arrays of the work-item's own, since splats have levels of their own. */
+/* Places of a lane's time on curves of each level, [level][lane]. curve: the curve's first real, from the first of the splat's;
+ * way: s in [0, 1] on it; rate: ds/dt [1/s]. These arrays are the work-item's own, since splats have different levels. */
 TD_INLINE void td_point_weights(td_real s, td_real h, int piece, int lane, td_real *way, td_real *rate, int *curve) {
     td_real once = 1 / h;
     for (int level = 0; level < TD_PATH_LEVELS; level++) {
@@ -23,7 +23,7 @@ TD_INLINE void td_point_weights(td_real s, td_real h, int piece, int lane, td_re
     }
 }
 
-/* Are all lanes on one curve? */
+/* 1 if all lanes are on one curve. */
 TD_INLINE int td_point_together(const int *curve) {
     int same = 1;
     for (int lane = 1; lane < TD_LANES; lane++) same &= curve[lane] == curve[0];
@@ -49,8 +49,8 @@ TD_INLINE void td_point_numbers_together(TD_GLOBAL const td_real *curve, const t
     TD_POINT_SHARED(4, e), TD_POINT_SHARED(5, f), TD_POINT_SHARED(6, g), TD_POINT_SHARED(7, h);
 }
 
-/* A splat's numbers where each lane has a curve of its own, at curves + at[lane]. A curve's eight numbers lie side by side, so
- * that a vector takes them all: two blocks are transposed, where transposing the coefficients would take four. */
+/* A splat's numbers where each lane has its own curve, at curves + at[lane]. A curve's eight numbers are neighbours, so that
+ * one vector loads them. Then values and slopes are transposed, two blocks, instead of the four coefficients. */
 TD_INLINE void td_point_numbers_apart(TD_GLOBAL const td_real *curves, const int *at, const td_real *way, td_point_eight *value,
                                       td_point_eight *slope) {
 #if TD_LANES > 1
@@ -72,13 +72,14 @@ TD_INLINE void td_point_numbers_apart(TD_GLOBAL const td_real *curves, const int
 /* Opacity with the fade at the near plane. */
 TD_INLINE td_dual td_point_opacity(td_dual opacity, td_dual depth, const td_image *image) {
     if (!(image->near_full > image->near) || !td_any(depth.v < image->near_full))
-        return opacity; /* the fade is 1 from there on */
+        return opacity; /* no near plane within reach of this splat: the fade is 1 */
     td_real scale = 1 / (image->near_full - image->near);
     td_dual x = td_dual_clamp(td_dual_scale(td_dual_offset(depth, -image->near), scale), 0, 1);
     return td_dual_mul(opacity, td_dual_make(td_smootherstep(x.v), td_smootherstep_slope(x.v) * x.d));
 }
 
-/* Numerator and denominator of d^T Q d = ((c dx - b dy)^2 + det dy^2) / (c det), in sums of what isn't negative; and parts. */
+/* Numerator and denominator of d^T Q d = ((c dx - b dy)^2 + det dy^2) / (c det), in sums of terms that aren't negative, and
+ * parts of them. */
 typedef struct td_point_form {
     td_lanes dx, dy, b, c, det, along, over, under;
 } td_point_form;
@@ -96,7 +97,7 @@ TD_INLINE td_point_form td_point_forms(const td_point_eight *value, td_lanes x, 
     return f;
 }
 
-/* d^T Q d and its rate; inverse: 1 / under. */
+/* d^T Q d and its rate. inverse: 1 / denominator. */
 TD_INLINE td_dual td_point_distance(const td_point_form *f, td_lanes inverse, const td_point_eight *slope) {
     td_lanes u = -td_point_pick(slope, TD_P_U), v = -td_point_pick(slope, TD_P_V), b = td_point_pick(slope, TD_P_B);
     td_lanes c = td_point_pick(slope, TD_P_C), det = td_point_pick(slope, TD_P_DET);
@@ -106,19 +107,19 @@ TD_INLINE td_dual td_point_distance(const td_point_form *f, td_lanes inverse, co
     return td_dual_make(distance, td_fma(-distance, under, over) * inverse);
 }
 
-/* A splat as points look at it, before the exponential; and what it is to the light, of which it takes tau in hard order, the
- * optical depth in soft order. Both are kept at one place, a vector for each number, and what is worked out of the first three
- * takes their places. */
+/* A splat as points see it, before the exponential (power, opacity, slope), and afterwards (alpha; then the light that it
+ * takes: tau in hard order, optical depth in soft order). Later numbers are stored in the places of those that they are
+ * computed from. */
 enum { TD_V_POWER = 0, TD_V_OPACITY, TD_V_SLOPE, TD_V_LUMINANCE, TD_V_LUMINANCE_DOT, TD_V_DEPTH, TD_V_GROWTH };
 enum { TD_V_GREEN = TD_E_GREEN, TD_V_GREEN_DOT, TD_V_BLUE, TD_V_BLUE_DOT };
 enum { TD_V_ALPHA = TD_V_POWER, TD_V_ALPHA_DOT = TD_V_SLOPE, TD_V_TAKES = TD_V_OPACITY, TD_V_TAKES_DOT = TD_V_SLOPE };
 typedef struct td_point_view {
-    td_lanes power, opacity, slope; /* alpha = opacity 2^power, alpha_dot = slope 2^power; */
+    td_lanes power, opacity, slope; /* alpha = opacity 2^power, alpha_dot = slope 2^power */
     td_lanes luminance, luminance_dot, depth, growth;
 } td_point_view;
 
-/* A splat with these numbers at the times of the lanes, their slopes in s; rate: s by time. Nothing comes of what can't be seen
- * there. */
+/* The view of a splat with these numbers and slopes in s at the times of the lanes. rate: ds/dt. Splats that can't be seen
+ * there get an opacity of 0. */
 TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight *value, const td_point_eight *slope,
                                      td_lanes rate, td_lanes x, td_lanes y) {
     td_point_view view;
@@ -139,8 +140,7 @@ TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight
     return view;
 }
 
-/* Writes a splat's alpha and its rate in the place of the power and slope that they come of. Returns 1 where any lane may see
- * it. */
+/* Replaces power and slope by alpha and its rate. Returns 1 where any lane may see the splat. */
 TD_INLINE int td_point_rise(const td_image *image, TD_GLOBAL td_real *view) {
     td_lanes fall = td_exp2(td_load_lanes(view + TD_V_POWER * TD_LANES));
     td_lanes alpha = td_load_lanes(view + TD_V_OPACITY * TD_LANES) * fall;
@@ -149,7 +149,7 @@ TD_INLINE int td_point_rise(const td_image *image, TD_GLOBAL td_real *view) {
     return td_any(alpha >= td_least_seen(image));
 }
 
-/* Writes the share of light that the splat takes, as compositing needs it. */
+/* Writes the light that the splat takes. */
 TD_INLINE void td_point_take(const td_image *image, TD_GLOBAL td_real *view) {
     td_lanes takes, takes_dot;
     td_mask above;
@@ -191,7 +191,7 @@ TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real 
     td_store_lanes(to + TD_V_GROWTH * TD_LANES, view->growth);
 }
 
-/* Green and blue at the times of the lanes, on one curve for all or a curve each: at beside + at[lane]. */
+/* Green and blue at the times of the lanes, on one curve for all or on a curve each, at beside + at[lane]. */
 TD_INLINE void td_point_see_beside(TD_GLOBAL const td_real *beside, const int *curve, td_lanes way, td_lanes rate,
                                    TD_GLOBAL td_real *view) {
     int at[TD_LANES];
@@ -208,15 +208,15 @@ TD_INLINE void td_point_see_beside(TD_GLOBAL const td_real *beside, const int *c
 
 /* -- a list -------------------------------------------------------------------------------------------------------- */
 
-/* Points on their way down their tile's list: their places; the least optical depth that the splats seen have in all; the depth
- * of the farthest of these; the depth from which on nothing is seen any more; and the entries made for them. */
+/* Points on their way down their tile's list: pixel centres; `taken`, the optical depth of all splats seen so far; `far`, the
+ * depth of the farthest of them; `end`, the depth behind which nothing is seen; and the entries' order. */
 typedef struct td_point_eye {
     td_lanes x, y, taken, far, end;
     td_point_order order;
 } td_point_eye;
 
-/* Optical depth behind which nothing is seen: 1e-14 of it. The splats dropped depend on those that the point sees, in the
- * list's order, and on nothing else. */
+/* Optical depth behind which splats are dropped: they have 1e-14 of the light. Which splats are dropped depends on the splats
+ * that the point sees, in the list's order, and on nothing else. */
 #define TD_POINT_OPAQUE 32
 #define TD_POINT_NEVER TD_REAL(1e30)
 
@@ -237,8 +237,8 @@ TD_INLINE void td_point_note(const td_image *image, const td_point_entry *entry,
     if (reach < 1) eye->end = td_select(eye->end, eye->far * (TD_REAL(1.000001) * (1 + reach) / (1 - reach)), opaque);
 }
 
-/* Splats that are looked at together, in loops of their own: one that did all would wait for its own chain of operations, which
- * is longer than a processor looks ahead (1.3 times slower). */
+/* Splats that are handled together, in several short loops. In one loop each splat would wait for its own chain of operations,
+ * which is longer than the processor's reorder window (1.3 times slower). */
 enum { TD_POINT_BATCH = 64 };
 
 /* Enters the splats found, at places[found[i]], as what the points see: views go where entries will be, which are no more than

@@ -1,36 +1,37 @@
-/* Which splats of a tile's list a point may see (points.h), asked of sixteen of them at once in single precision.
+/* Which splats of a tile's list a point may see, a single pixel at a single time. Sixteen splats are tested at once in single
+ * precision.
  *
- * In a slice of the interval a splat is tested as an ellipse that moves along a line at constant speed and holds all that it
- * is in that slice: with P the most that d^T Q d comes to where anything is seen, the matrix S = P (covariance + spread)
- * and what the centre is off the line, both from bounds of its curves (Bezier control points); a point at d from the line may
- * see it only where d^T S^-1 d <= 1. Whether it does is asked again in double precision (point_splats.h), so that nothing but
- * time depends on how wide these are. */
+ * In a slice of the interval a splat is bounded by an ellipse that moves along a line at constant speed. Let P be the greatest
+ * d^T Q d at which the splat is visible. S = P (covariance + spread) plus the distance of the centre from the line, both from
+ * bounds of its curves (Bezier control points). A point at d from the line may see the splat only where d^T S^-1 d <= 1. Splats
+ * that pass are computed in double precision. So wider bounds cost time, and change no result. */
 #ifndef TD_POINT_TESTS_H
 #define TD_POINT_TESTS_H
 
 #include "point_lists.h"
 
-/* A test: the centre and its way in the slice; d^T S^-1 d = a dx^2 + b dx dy + c dy^2, where a isn't a number nothing is seen;
- * the least depth. A splat has one for each slice, which the tiles that may see it share: [Gaussian][slice][TD_TEST_REALS]. A
- * tile's count from its top left corner, and those of TD_PAD places go together, [slice][group][TD_TEST_REALS][TD_PAD]; the
- * first depth of a group is the least of all from there on. (Made for each tile anew they took two to four times as long.) */
+/* A test: the line's start and way in the slice, d^T S^-1 d = a dx^2 + b dx dy + c dy^2, and the least depth. A splat that
+ * isn't seen has a NaN as a. Each Gaussian has a test per slice, [Gaussian][slice][TD_TEST_REALS], which tiles copy: making
+ * them for each tile took two to four times as long. In a tile's copy, places count from its top left corner, and TD_PAD splats
+ * are stored together, [slice][group][TD_TEST_REALS][TD_PAD]. The depth of a group's first splat is replaced by the least depth
+ * from there on. */
 enum { TD_T_U = 0, TD_T_U_WAY, TD_T_V, TD_T_V_WAY, TD_T_A, TD_T_B, TD_T_C, TD_T_DEPTH, TD_TEST_REALS };
 
 TD_INLINE size_t td_point_tests_at(const td_point_tile *tile, int slices, int slice) {
     return ((size_t)tile->first * (size_t)slices + (size_t)slice * (size_t)tile->count) * TD_TEST_REALS;
 }
 
-/* Where those of a place are among them. */
+/* Where the test of a place begins within a slice; its reals are TD_PAD apart. */
 TD_INLINE int td_point_test_of(int place) { return place / TD_PAD * (TD_PAD * TD_TEST_REALS) + place % TD_PAD; }
 
 /* -- making -------------------------------------------------------------------------------------------------------- */
 
-/* A number's Bezier control points on a part of its curve. */
+/* Bezier control points of a number on a part of its curve. */
 typedef struct td_point_arc {
     td_lanes a, b, c, d;
 } td_point_arc;
 
-/* TD_LANES curves, and the parts of them. */
+/* A number's cubics a0 + a1 s + a2 s^2 + a3 s^3 for TD_LANES splats, and the part of each that lies in the slice. */
 typedef struct td_point_bent {
     td_point_eight a0, a1, a2, a3;
     td_lanes from, part;
@@ -52,7 +53,7 @@ typedef struct td_point_range {
     td_lanes low, high;
 } td_point_range;
 
-/* Widens a range by an arc's, with a margin for rounding. */
+/* Widens a range by an arc's range, with a margin for rounding. */
 TD_INLINE void td_point_widen(const td_point_bent *on, int k, td_point_range *range) {
     td_point_arc p = td_point_bend(on, k);
     td_lanes low = td_smaller(td_smaller(p.a, p.b), td_smaller(p.c, p.d));
@@ -62,12 +63,12 @@ TD_INLINE void td_point_widen(const td_point_bent *on, int k, td_point_range *ra
     range->high = td_larger(range->high, high + margin);
 }
 
-/* A centre's line, start + w way for w in [0, 1] in the slice, and how far the centre may be off it. */
+/* A centre's line, start + w way for w in [0, 1] in the slice, and the greatest distance of the centre from it. */
 typedef struct td_point_line {
     td_lanes start, way, off;
 } td_point_line;
 
-/* Widens a line by an arc from w = begin, `length` long; the first arc sets the line. */
+/* Widens a line's distance by an arc from w = begin, `length` long. The first arc sets the line. */
 TD_INLINE void td_point_follow(const td_point_bent *on, int k, int is_first, td_lanes begin, td_lanes length,
                                td_point_line *line) {
     const td_real third = TD_REAL(0.33333333333333333);
@@ -89,7 +90,7 @@ typedef struct td_point_bounds {
     td_point_range b, c, det, opacity, depth;
 } td_point_bounds;
 
-/* A splat's curves in a slice: `count` of them from `first`, or of one the part from `from` on; each is `length` of the
+/* A splat's curves in a slice: `count` curves from `first`, or a part of one curve from `from` on. Each takes `length` of the
  * slice. */
 typedef struct td_point_span {
     int first, count;
@@ -146,9 +147,9 @@ typedef struct td_point_ellipse {
     td_lanes xx, xy, yy;
 } td_point_ellipse;
 
-/* Holds P times each of the covariances and what the centre is off: the middle of their ranges; its distance to any of them is
- * an ellipse within a circle. The sum of an ellipse and a circle of radius r is within (1 + h) of the ellipse + (1 + 1/h) r^2,
- * for any h. `farthest`: [px] from the image's corner. */
+/* An ellipse that contains P times each of the covariances, plus the distance of the centre from its line. It is the ellipse of
+ * the ranges' middle plus a circle, the greatest distance to the others. The sum of an ellipse and a circle of radius r lies
+ * within (1 + h) of the ellipse + (1 + 1/h) r^2, for any h. `farthest`: [px] from the image's corner. */
 TD_INLINE td_point_ellipse td_point_hold(const td_point_bounds *of, td_lanes power, td_real farthest) {
     const td_real more = TD_REAL(0.01);
     td_point_ellipse s;
@@ -158,7 +159,7 @@ TD_INLINE td_point_ellipse td_point_hold(const td_point_bounds *of, td_lanes pow
     td_lanes high = td_fma(most, most, of->det.high) / of->c.low;
     td_lanes spread = 0.5f * (td_larger(high - low, of->c.high - of->c.low) + (of->b.high - of->b.low));
     td_lanes far = (td_size(of->u.start) + td_size(of->u.way)) + (td_size(of->v.start) + td_size(of->v.way));
-    td_lanes round = TD_REAL(3e-7) * (far + 2 * farthest); /* of singles */
+    td_lanes round = TD_REAL(3e-7) * (far + 2 * farthest); /* rounding in single precision */
     td_lanes off = td_fma(of->u.off, of->u.off, of->v.off * of->v.off) + round * round;
     td_lanes scale = (1 + more) * power, circle = td_fma(scale, spread, 2 * (1 + 1 / more) * off);
     s.xx = td_fma(scale, 0.5f * (low + high), circle);
@@ -167,7 +168,7 @@ TD_INLINE td_point_ellipse td_point_hold(const td_point_bounds *of, td_lanes pow
     return s;
 }
 
-/* Eight numbers of each splat to its own place. */
+/* Stores eight numbers of each splat at its own place. */
 TD_INLINE void td_point_store_tests(TD_GLOBAL float *tests, const size_t at[TD_LANES], const td_point_eight *of) {
 #if TD_LANES > 1
     td_point_eight row = td_point_turn(of);
@@ -179,7 +180,7 @@ TD_INLINE void td_point_store_tests(TD_GLOBAL float *tests, const size_t at[TD_L
 #endif
 }
 
-/* Makes the tests of TD_LANES splats in a slice, to tests + at[lane] each. */
+/* Makes the tests of TD_LANES splats in a slice; lane k's go to tests + at[k]. */
 TD_INLINE void td_point_make_tests(const td_point_paths *paths, const td_image *image, int slice, const int path[TD_LANES],
                                    TD_GLOBAL float *tests, const size_t at[TD_LANES]) {
     td_real cut = td_least_seen(image);
@@ -192,7 +193,7 @@ TD_INLINE void td_point_make_tests(const td_point_paths *paths, const td_image *
     td_point_ellipse s = td_point_hold(&of, power, across + down);
     td_lanes product = s.xx * s.yy, det = td_fma(-s.xy, s.xy, product);
     known = known & (det > TD_REAL(1e-12) * product) & (product < TD_REAL(1e30));
-    td_lanes under = td_fma(TD_REAL(2e-6), product, det); /* more than singles lose: each term is below product / det */
+    td_lanes under = td_fma(TD_REAL(2e-6), product, det); /* more than rounding: each term is below product / det */
     td_lanes inverse = td_select(none, 1 / td_select(one, under, known), known);
     td_point_eight test; /* in the order of TD_T_U ... */
     test.a = td_select(none, of.u.start, known), test.b = td_select(none, of.u.way, known);
@@ -203,8 +204,8 @@ TD_INLINE void td_point_make_tests(const td_point_paths *paths, const td_image *
     td_point_store_tests(tests, at, &test);
 }
 
-/* Gives a tile's place a splat's test. Written out: LLVM makes a scatter in hardware of a loop, behind which what comes next
- * waits. */
+/* Copies a splat's test to a place of a tile. Written out, since LLVM makes a hardware scatter of a loop, and the loads that
+ * follow wait for it. */
 TD_INLINE void td_point_place_test(TD_GLOBAL const float *test, const td_point_tile *tile, TD_GLOBAL float *place) {
     float u = test[TD_T_U], v = test[TD_T_V], a = test[TD_T_A], b = test[TD_T_B], c = test[TD_T_C];
     float u_way = test[TD_T_U_WAY], v_way = test[TD_T_V_WAY], depth = test[TD_T_DEPTH];
@@ -214,14 +215,14 @@ TD_INLINE void td_point_place_test(TD_GLOBAL const float *test, const td_point_t
     place[TD_T_DEPTH * TD_PAD] = depth;
 }
 
-/* Stores a test that no point passes, for a place without a splat. */
+/* Stores a test that no point passes, in a place without a splat. */
 TD_INLINE void td_point_place_nobody(TD_GLOBAL float *place) {
     for (int k = 0; k < TD_TEST_REALS; k++) place[k * TD_PAD] = 0;
     place[TD_T_A * TD_PAD] = NAN;
     place[TD_T_DEPTH * TD_PAD] = 1e30f;
 }
 
-/* The least depth of a slice's groups and all behind. */
+/* Replaces the depth of each group's first splat in a slice by the least depth of this group and all behind it. */
 TD_INLINE void td_point_find_fronts(TD_GLOBAL float *tests, int groups) {
     float least = 1e30f;
     for (int i = groups - 1; i >= 0; i--) {
@@ -233,7 +234,7 @@ TD_INLINE void td_point_find_fronts(TD_GLOBAL float *tests, int groups) {
 
 /* -- asking -------------------------------------------------------------------------------------------------------- */
 
-/* Places are asked TD_POINT_ASKED at a time: two groups, whose bits are brought together as one. */
+/* TD_POINT_ASKED places are tested at once: two groups, whose bits form one word. */
 #if TD_LANES == 1
 typedef float td_point_wide;
 typedef int td_point_bits;
@@ -251,10 +252,10 @@ typedef uint td_point_bits;
 enum { TD_POINT_ASKED = 2 * TD_PAD };
 #define td_point_wide_fma(a, b, c) td_fma_of(td_point_wide, a, b, c)
 #define td_point_wide_load(tests, k) vload16(0, (tests) + (k)*TD_PAD)
-TD_INLINE int td_point_lowest(td_point_bits bits) { return (int)popcount((bits & -bits) - 1); } /* which one it is */
+TD_INLINE int td_point_lowest(td_point_bits bits) { return (int)popcount((bits & -bits) - 1); } /* number of the lowest bit */
 #endif
 
-/* d^T S^-1 d of a group's splats, for the point at (x, y), at w in the slice. */
+/* d^T S^-1 d of a group's splats for the point at (x, y) [px], at w in the slice. */
 TD_INLINE td_point_wide td_point_distances(TD_GLOBAL const float *tests, float x, float y, float w) {
     td_point_wide dx = td_point_wide_fma(-w, td_point_wide_load(tests, TD_T_U_WAY), x - td_point_wide_load(tests, TD_T_U));
     td_point_wide dy = td_point_wide_fma(-w, td_point_wide_load(tests, TD_T_V_WAY), y - td_point_wide_load(tests, TD_T_V));
@@ -262,7 +263,8 @@ TD_INLINE td_point_wide td_point_distances(TD_GLOBAL const float *tests, float x
     return td_point_wide_fma(a, dx, td_point_wide_load(tests, TD_T_C) * dy * dy);
 }
 
-/* Bit k: any of `lanes` points may see the splat of place i + k. Each has a slice, in whose tests it is at (x, y) and w. */
+/* Bit k: any of `lanes` points may see the splat of place i + k. Each point has its own slice, pixel (x, y), and w in the
+ * slice. */
 TD_INLINE td_point_bits td_point_ask(TD_GLOBAL const float *tests, const int *slice, int lanes, int i, int taken,
                                      const float *x, const float *y, const float *w) {
     TD_GLOBAL const float *group = tests + td_point_test_of(i);
@@ -285,12 +287,12 @@ TD_INLINE td_point_bits td_point_ask(TD_GLOBAL const float *tests, const int *sl
 #endif
 }
 
-/* The least depth of all from a place's group on. */
+/* The least depth from a place's group on. */
 TD_INLINE float td_point_front(TD_GLOBAL const float *tests, int place) {
     return tests[td_point_test_of(place / TD_PAD * TD_PAD) + TD_T_DEPTH * TD_PAD];
 }
 
-/* Which slice a point is in, and where in it, in [0, 1]. */
+/* The slice of a point, and its place w in the slice, in [0, 1]. */
 TD_INLINE int td_point_slice(const td_point_slices *slices, int piece, td_real s, float *w) {
     td_real way = slices->split ? s * (td_real)(1 << slices->split) : ((td_real)piece + s) / (td_real)slices->group;
     int slice = slices->split ? (int)way : piece / slices->group;

@@ -1,28 +1,29 @@
-/* Single pixels at single times (points.h), in double precision: the lists of tiles, and the points. */
+/* Points, single pixels at single times, in double precision: makes the lists of tiles, and composites the points. */
 #include "bitonic.h"
 #include "path_node.h"
 #include "points.h"
 
-/* Until the work-group's writes are done: one work-item is its own. */
+/* Waits until the writes of the work-group are visible. With several lanes a work-group has one work-item, which needn't
+ * wait. */
 #if TD_LANES == 1
 #define td_wait() barrier(CLK_GLOBAL_MEM_FENCE)
 #else
 #define td_wait()
 #endif
 
-/* A work-item's of what all share out: [first, end) by `step`. */
+/* A work-item's part of a loop that all work-items share: [first, end) by `step`. */
 typedef struct td_share {
     int first, end, step;
 } td_share;
 
-/* Groups of TD_LANES of `count`. */
+/* A work-item's part of `count` items, in groups of TD_LANES. */
 static td_share td_share_of_groups(int count) {
     const int me = (int)get_global_id(0), items = (int)get_global_size(0);
     const int groups = (count + TD_LANES - 1) / TD_LANES;
     td_share share;
 #if TD_LANES == 1
     share.first = me, share.end = groups, share.step = items;
-#else /* neighbours: what they read lies together, as the tests of one tile */
+#else /* neighbouring groups: their data are neighbours in memory */
     share.first = (int)((long)groups * me / items), share.end = (int)((long)groups * (me + 1) / items), share.step = 1;
 #endif
     return share;
@@ -53,7 +54,7 @@ typedef struct td_splats_to_make {
     td_share groups;
 } td_splats_to_make;
 
-/* First curves' rows of the Gaussians from `first` on, prefetched: to wait for them was a quarter of the time. */
+/* Prefetches the first curve's rows of TD_LANES Gaussians from `first` on: waiting for them took a quarter of the time. */
 enum { TD_SOON_GROUPS = 2 };
 static void td_rows_soon(const td_splats_to_make *of, int first) {
     const int end = first + TD_LANES < of->count ? first + TD_LANES : of->count;
@@ -127,8 +128,8 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
     td_splats_apart(image_buffer, &paths, &what);
 }
 
-/* Misfits of TD_LANES paths of a level per turn (td_path_try_each), in targets: the worst, then, where they are asked
- * for, each `stride` on, those of each curve. */
+/* Misfits of paths of one level, TD_LANES at a time, as multiples of `target`. misfits[i] is the worst of path i. Where
+ * asks_each, curve k's own misfit is `stride` x (k + 1) behind it. */
 TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows,
                                __global const td_real *beside, __global const int *first, td_share groups, int level,
                                __global const td_real *lengths, int pieces, td_real target, td_real rounding,
@@ -162,7 +163,7 @@ typedef struct td_list_to_make {
     int slices, item, items;
 } td_list_to_make;
 
-/* Prefetches the tests of a place. */
+/* Prefetches the test of a place's splat, TD_SOON_PLACES ahead. */
 enum { TD_SOON_PLACES = 16 };
 static void td_place_soon(const td_list_to_make *of, long key, __global const int *candidates) {
     if (key == TD_LAST_KEY) return;
@@ -216,7 +217,7 @@ TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_m
         td_point_find_fronts(of.tests + td_point_tests_at(&tile, slices, slice), taken / TD_PAD);
 }
 
-/* One work-group per tile in `wanted`. counts: (all tiles). */
+/* One work-group per tile in `wanted`. counts (all tiles) gets the length of each list. */
 __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global const int *wanted,
                                   __global const int *candidates, __global const int *path, __global const int *sights,
                                   __global const int *depths, __global const float *records, int slices, __global long *keys,
@@ -237,7 +238,7 @@ __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global 
     td_list_apart(tiles + number, &what, counts + number);
 }
 
-/* Points to be evaluated, in chunks, and an item's own room for `entries`. */
+/* Points to be composited, in chunks, and the work-item's room for `entries`. */
 typedef struct td_values_to_find {
     __global const td_point_tile *tiles;
     __global const int *counts;
@@ -247,7 +248,8 @@ typedef struct td_values_to_find {
     td_point_backdrop backdrop;
 } td_values_to_find;
 
-/* Chunks by turns, neighbours together: the host may be at work on a core, too, and who has that one gets less done. */
+/* Work-items take TD_TURN_CHUNKS chunks at a time, when they have done the last ones. The host's threads may need a core, whose
+ * work-item then takes fewer. */
 enum { TD_TURN_CHUNKS = TD_LANES > 1 ? 8 : 1 };
 TD_INLINE int td_next_chunks(volatile __global int *turn) { return atomic_inc(turn) * TD_TURN_CHUNKS; }
 
@@ -268,7 +270,7 @@ TD_APART void td_values_apart(__constant const td_image *image_buffer, const td_
         }
 }
 
-/* Work-items take chunks by turns, each in its own room for so many entries. */
+/* Composites all chunks; each work-item has its own room for `rows` entries. */
 __kernel void td_point_values(__constant const td_image *image_buffer, __global const td_point_tile *tiles,
                               __global const int *counts, __global const td_real *curves, int pieces, int slices, int split,
                               int group, __global const int *places, __global const float *tests,

@@ -1,17 +1,17 @@
-/* Single pixels at single times: L and L_dot on the image made of record paths (path.h), which the solver solves events on.
+/* Points: single pixels at single times. L and L_dot of the image made of record paths, on which the solver finds event times.
  *
  * TD_LANES points of one tile, neighbours in place and time, go down their tile's list together, a lane each. A quick test
- * keeps the splats that any of them may see (point_tests.h); each is worked out for all lanes, on its curve at each lane's own
- * time, and entered where that time's depth puts it (point_entries.h). Then light goes through the entries (point_light.h). A
- * point's result depends on nothing but itself: a splat that it doesn't see changes no bit of it, whichever other point sees
- * the splat. Every splat counts but those behind opaque ones (TD_POINT_OPAQUE): the image's stop rule isn't applied. Where that
- * rule drops splats, or the extent isn't the ellipse, there are no points (lib/render/points.c). */
+ * keeps the splats that any of them may see. Each of these is computed for all lanes, on its curve at each lane's own time, and
+ * inserted by its depth at that time. Then the light is composited. A point's result depends on nothing but itself: a splat
+ * that it doesn't see changes no bit of it, even if another lane sees the splat. The image's stop rule isn't applied; splats
+ * are dropped only behind TD_POINT_OPAQUE. Where that rule drops splats, or a splat's extent isn't its ellipse, the renderer
+ * offers no points. */
 #ifndef TD_POINTS_H
 #define TD_POINTS_H
 
 #include "point_light.h"
 
-/* May any of the lanes see what is nearest from place i on? */
+/* 1 if any lane may see a splat at place i of the list or behind it. end: each lane's depth behind which nothing is seen. */
 TD_INLINE int td_point_goes_on(TD_GLOBAL const float *tests, const int *slice, int i, td_lanes end) {
     td_real last[TD_LANES];
     td_spread(end, last);
@@ -20,13 +20,13 @@ TD_INLINE int td_point_goes_on(TD_GLOBAL const float *tests, const int *slice, i
     return 0;
 }
 
-/* Prefetches a curve: four lines of memory. */
+/* Prefetches a curve: four cache lines. */
 TD_INLINE void td_point_soon(TD_GLOBAL const td_real *curve) {
     td_soon(curve), td_soon(curve + 8), td_soon(curve + 16), td_soon(curve + 24);
 }
 
-/* Enters what a chunk's points see of the first `taken` places of their tile's list; how much that is. Lanes without a point
- * have that of the first. */
+/* Enters what a chunk's points see of the first `taken` places of their tile's list. Returns the number of entries. Lanes
+ * without a point repeat the first point. */
 TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_tile *tile, int taken, const td_point_paths *paths,
                                  const td_point_lists *lists, const td_point_arrays *points, const td_image *image,
                                  TD_GLOBAL td_real *entries) {
@@ -59,8 +59,8 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
     return eye.order.count;
 }
 
-/* Values of a chunk's points: values[2 * point] = L, [2 * point + 1] = L_dot. taken: places of the tile's list; entries: room
- * of the work-item's own for as many, td_point_room each. */
+/* Values of a chunk's points: values[2 * point] = L, [2 * point + 1] = L_dot. `taken` is the length of the tile's list;
+ * `entries` has room for so many, td_point_room vectors each. */
 TD_INLINE void td_point_chunk_values(const td_point_chunk *chunk, const td_point_tile *tile, int taken,
                                      const td_point_paths *paths, const td_point_lists *lists, const td_point_arrays *points,
                                      const td_image *image, TD_GLOBAL td_real *entries, const td_point_backdrop *behind,
@@ -73,7 +73,8 @@ TD_INLINE void td_point_chunk_values(const td_point_chunk *chunk, const td_point
     td_spread(planes[0], L);
     td_spread(planes[1], L_dot);
     for (int lane = 0; lane < chunk->count; lane++) {
-        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): it doesn't know that a chunk has a lane for each point */
+        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): clang doesn't know that a chunk has a lane for each
+         * point */
         values[2 * (chunk->first + lane)] = L[lane];
         values[2 * (chunk->first + lane) + 1] = L_dot[lane];
     }

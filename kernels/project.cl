@@ -1,5 +1,5 @@
-/* Tile jobs, by turns: each one's candidates, TD_LANES at a time, to splat records (record.h), or to what is the tile's own of
- * records that are there (share.h). */
+/* Work-groups take tile jobs in turn. They project a job's candidates, TD_LANES at a time, to splat records. Where the tiles of
+ * a time share records, they compute only which candidates touch the tile. */
 #include "share_jobs.h"
 #include "job_turns.h"
 

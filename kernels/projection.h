@@ -10,37 +10,36 @@
 #include "sh.h"
 #include "transpose.h"
 
-/* A group of Gaussians in the view of one camera. Continuous values may be meaningless where `visible` is 0. */
+/* TD_LANES Gaussians seen by one camera. Numbers are meaningless where `visible` is 0. */
 typedef struct td_shape {
-    td_dual depth;         /* camera z */
-    td_lanes depth_low;    /* what z is more, relative to it: for soft order */
+    td_dual depth;         /* camera z [scene units] */
+    td_lanes depth_low;    /* rounding error of z, relative to it: for soft order */
     td_dual u, v;          /* mean2d [px] */
     td_dual a, b, c;       /* covariance after dilation: (a b; b c) [px^2] */
-    td_dual det;           /* its determinant [px^4]; of what was made smaller where td_shrink_wide did */
+    td_dual det;           /* its determinant [px^4]; of a smaller copy where td_shrink_wide made one */
     td_dual conic[3];      /* its inverse: xx, xy, yy [1/px^2] */
     td_dual opacity;       /* with antialiasing and near fade */
     td_lanes compensation; /* the antialiasing factor, 1 where off */
     td_lanes power;        /* the ellipse's d^T Q d at the cut: 2 ln(opacity / cut) */
     td_mask visible;
-    td_mask broken; /* in front of the camera, and single precision can't hold it: to be seen everywhere (record.h) */
+    td_mask broken; /* in front of the camera and not finite in single precision: seen everywhere, to be found */
 } td_shape;
 
-/* A 2x3 matrix: what maps object displacements to pixels, and its product with the factor. (No loop goes through it or any
- * other array here: layout.h says why.) */
+/* A 2x3 matrix: the map from object displacements to pixels, or its product with the factor. Members instead of an array,
+ * because PoCL keeps an array that a loop goes through in memory. */
 typedef struct td_matrix23 {
     td_dual row[2][3];
 } td_matrix23;
 
-/* The Gaussians' own arrays, a row each: first those of the store, then, from `first_moved` on, what Gaussians that move by
- * themselves are at a time (motion.h). Rows from `first_rate` on have rates, which begin there; none has where the image says
- * that nothing moves. */
+/* Rows of Gaussians: first those of the store, then, from `first_moved` on, Gaussians that move by themselves at one time. Rows
+ * from `first_rate` on have rates, which are stored from there on. Without moving Gaussians no row has rates. */
 typedef struct td_source {
     TD_GLOBAL const td_real *geometry, *rates; /* TD_GEOMETRY_STRIDE per row */
     TD_GLOBAL const td_sh_real *sh;            /* sh_stride per row */
     TD_GLOBAL const td_real *sh_rates;         /* likewise */
-    TD_GLOBAL const int *owners;               /* of each moved row: its Gaussian in the store, and the row of its SH */
+    TD_GLOBAL const int *owners;               /* of each moved row: its Gaussian in the store, which has the SH */
     int first_rate, first_moved;
-    int rated, moved, sh_rated; /* whether the rows in hand have rates, are moved ones, and have rates of SH (td_source_of) */
+    int rated, moved, sh_rated; /* of the rows in hand: 1 where they have rates, are moved ones, and have rates of SH */
 } td_source;
 
 #ifdef TD_OPENCL
@@ -61,7 +60,7 @@ TD_INLINE td_source td_source_make(TD_GLOBAL const td_real *geometry, TD_GLOBAL 
 }
 #endif
 
-/* The source for a group of rows that begins with `leader`: all of a group are of one kind. */
+/* The source for a group of rows that begins with `leader`. All rows of a group are of one kind. */
 TD_INLINE td_source td_source_of(const td_source *all, const td_image *image, int leader) {
     td_source source = *all;
     source.rated = td_moving(image) && leader >= all->first_rate;
@@ -76,7 +75,7 @@ TD_INLINE int td_owner_of(const td_source *source, int leader) {
     return source->moved ? source->owners[2 * (leader - source->first_moved)] : leader;
 }
 
-/* Geometry entry k of the rows at `index` (already times the stride). */
+/* Geometry entry k of the rows at `index`, an offset in reals. */
 TD_INLINE td_dual td_entry(const td_source *source, const td_image *image, td_index index, int k) {
     td_lanes rate = td_splat(0.0f);
     if (td_moving(image) && source->rated)
@@ -84,9 +83,9 @@ TD_INLINE td_dual td_entry(const td_source *source, const td_image *image, td_in
     return td_dual_make(td_gather(source->geometry, index + k), rate);
 }
 
-/* Rows of TD_LANES Gaussians: entries as layout.h numbers them. */
+/* Rows of TD_LANES Gaussians, entries as in TD_G_MEAN and following. */
 typedef struct td_gaussian {
-    td_lanes v[TD_GEOMETRY_STRIDE], d[TD_GEOMETRY_STRIDE]; /* d: 0 where they have no rates */
+    td_lanes v[TD_GEOMETRY_STRIDE], d[TD_GEOMETRY_STRIDE]; /* d: 0 where rows have no rates */
 } td_gaussian;
 
 TD_INLINE void td_load_gaussian(const td_source *source, const td_image *image, td_index row, td_gaussian *gaussian) {
@@ -102,7 +101,7 @@ TD_INLINE td_dual td_number_of(const td_gaussian *gaussian, const td_image *imag
     return td_dual_make(gaussian->v[k], td_moving(image) ? gaussian->d[k] : td_splat(0.0f));
 }
 
-/* a b + c for a number b of a Gaussian. */
+/* a b + c, where b is a Gaussian's own number and has a rate only in scenes with moving Gaussians. */
 TD_INLINE td_dual td_dual_fma_own(const td_image *image, td_dual a, td_dual b, td_dual c) {
     return td_moving(image) ? td_dual_fma(a, b, c) : td_dual_fma_still(a, b.v, c);
 }
@@ -110,7 +109,7 @@ TD_INLINE td_dual td_dual_fma_own(const td_image *image, td_dual a, td_dual b, t
 /* A dual that is equal in all lanes. */
 TD_INLINE td_dual td_dual_all(td_real v, td_real d) { return td_dual_make(td_splat(v), td_splat(d)); }
 
-/* sum_j (m_j + dt mdot_j) p_j + offset, for a uniform row m of a moving frame */
+/* m . p + offset, and its rate: a row m of a moving frame, equal for all lanes, times the points p. */
 TD_INLINE td_dual td_view_row(TD_GLOBAL const td_real *m, TD_GLOBAL const td_real *m_dot, const td_image *image,
                               const td_dual p[3], td_real offset, td_real offset_dot) {
     td_dual sum = td_dual_all(offset, offset_dot);
@@ -119,13 +118,13 @@ TD_INLINE td_dual td_view_row(TD_GLOBAL const td_real *m, TD_GLOBAL const td_rea
     return td_dual_fma_own(image, td_dual_all(m[2], m_dot[2]), p[2], sum);
 }
 
-/* Entry j of a row of T: focal / z (r - slope r_z), r of the view. */
+/* Entry j of a row of T: focal / z (r - slope r_z), where r is a row of the view's rotation. */
 TD_INLINE td_dual td_screen_entry(TD_GLOBAL const td_view *view, int row, int j, td_dual focal, td_dual slope) {
     td_dual r = td_dual_all(view->r[3 * row + j], view->r_dot[3 * row + j]);
     return td_dual_mul(focal, td_dual_sub(r, td_dual_mul(slope, td_dual_all(view->r[6 + j], view->r_dot[6 + j]))));
 }
 
-/* Column j of T for a lens: K Dd (r - slope r_z) / z. */
+/* Column j of T with a lens: K Dd (r - slope r_z) / z. */
 TD_INLINE void td_lens_column(TD_GLOBAL const td_view *view, const td_image *image, int j, const td_bent *bent, td_dual slope_x,
                               td_dual slope_y, td_dual inverse_z, td_matrix23 *t) {
     td_dual x = td_screen_entry(view, 0, j, inverse_z, slope_x), y = td_screen_entry(view, 1, j, inverse_z, slope_y);
@@ -144,7 +143,7 @@ TD_INLINE td_matrix23 td_lens_map(TD_GLOBAL const td_view *view, const td_image 
     return t;
 }
 
-/* T = J R, the Jacobian of the pinhole after the view's rotation. (x_z, y_z) = (x/z, y/z). */
+/* T = J R: the Jacobian of the pinhole times the view's rotation. (x_z, y_z) = (x/z, y/z). */
 TD_INLINE td_matrix23 td_screen_map(TD_GLOBAL const td_view *view, const td_image *image, td_dual x_z, td_dual y_z,
                                     td_dual inverse_z) {
     td_matrix23 t;
@@ -162,7 +161,7 @@ TD_INLINE td_dual td_dual_dot3(const td_dual a[3], const td_dual b[3]) {
     return td_dual_fma(a[0], b[0], td_dual_fma(a[1], b[1], td_dual_mul(a[2], b[2])));
 }
 
-/* A = T M, with the Gaussians' factors M: column j of one row. */
+/* Column j of a row of A = T M, with the Gaussians' factors M. */
 TD_INLINE td_dual td_factor_entry(const td_dual t[3], const td_image *image, const td_gaussian *gaussian, int j) {
     td_dual sum = td_dual_fma_own(image, t[0], td_number_of(gaussian, image, TD_G_FACTOR + j), td_dual_all(0, 0));
     sum = td_dual_fma_own(image, t[1], td_number_of(gaussian, image, TD_G_FACTOR + 3 + j), sum);
@@ -177,7 +176,7 @@ TD_INLINE td_matrix23 td_project_factor(const td_matrix23 *t, const td_image *im
     return a;
 }
 
-/* Entry j of a0 x a1. */
+/* An entry of the cross product a0 x a1 of A's rows: columns k and l. */
 TD_INLINE td_dual td_cross_entry(const td_matrix23 *a, int k, int l) {
     return td_dual_fma(a->row[0][k], a->row[1][l], td_dual_negate(td_dual_mul(a->row[0][l], a->row[1][k])));
 }
@@ -197,10 +196,10 @@ TD_INLINE void td_row_times(td_dual a[3], td_lanes factor) {
     a[0] = td_dual_times(a[0], factor), a[1] = td_dual_times(a[1], factor), a[2] = td_dual_times(a[2], factor);
 }
 
-/* Splats may be so wide [px] that the determinant, products of four such lengths, leaves single precision, and with it
- * everything after: from 2^32 px on, sooner for rates. A of one beyond 2^25 px is made smaller by a power of two, which
- * rounds nothing; td_shape_covariance makes what comes of it larger again. Returns whether a lane needs it, that power, and
- * its inverse in `grow`. Beyond 2^60 px conics would leave single precision too: the shape is broken. */
+/* A splat may be so wide [px] that its determinant, a product of four such lengths, overflows single precision: from 2^32 px
+ * on, earlier for rates. If A is beyond 2^25 px it is multiplied by `shrink`, a power of two, which rounds nothing; the results
+ * are multiplied by its inverse `grow` later. Returns 1 where a lane needs it. Beyond 2^60 px conics would overflow too, and
+ * the splat is broken. */
 TD_INLINE int td_shrink_wide(td_shape *shape, td_matrix23 *a, td_lanes *shrink, td_lanes *grow) {
     const td_real wide = TD_REAL(33554432.0), widest = TD_REAL(1152921504606846976.0); /* 2^25 and 2^60 */
     td_lanes largest = td_largest_entry(a->row[1], td_largest_entry(a->row[0], td_splat(0.0f)));
@@ -231,7 +230,7 @@ TD_INLINE td_dual td_shape_covariance(td_shape *shape, const td_matrix23 *given,
     shape->det = det;
     td_dual inverse = td_dual_reciprocal(det);
     td_dual ratio = td_dual_mul(det0, inverse);
-    /* Without dilation a splat may be narrower than single precision can tell, 2^-25 px: no pixel's centre sees it. */
+    /* Without dilation a splat may be narrower than 2^-25 px, which single precision can't tell: no pixel's centre sees it. */
     td_mask narrow = det.v <= (image->dilation > 0 ? TD_REAL(0.0) : TD_REAL(7.8886090522101181e-31)); /* 2^-100 */
     inverse = td_dual_select(inverse, td_dual_make(td_splat(0.0f), td_splat(0.0f)), narrow);
     if (wide) inverse = td_dual_times(inverse, shrink);
@@ -249,7 +248,7 @@ TD_INLINE td_dual td_shape_covariance(td_shape *shape, const td_matrix23 *given,
     return td_dual_sqrt(td_dual_select(ratio, floor_value, floored));
 }
 
-/* Opacity as composited: the fade at the near plane, and whether anything is left above the cut. */
+/* Opacity as composited: applies the fade at the near plane, and tells whether opacity exceeds the cut. */
 TD_INLINE void td_shape_fade(td_shape *shape, td_dual opacity, const td_image *image) {
     if (image->near_full > image->near) {
         td_real scale = 1 / (image->near_full - image->near);
@@ -257,14 +256,14 @@ TD_INLINE void td_shape_fade(td_shape *shape, td_dual opacity, const td_image *i
         opacity = td_dual_mul(opacity, td_dual_make(td_smootherstep(x.v), td_smootherstep_slope(x.v) * x.d));
     }
     shape->opacity = opacity;
-    /* Without a cut the ellipse ends where single precision does; log of a tiny positive number only. */
+    /* Without a cut the ellipse ends where single precision does. td_log needs a positive normal number. */
     td_real cut = td_least_seen(image);
     shape->visible = shape->visible & (opacity.v > cut);
     shape->power = 2.0f * td_log(td_select(td_splat(1.0f), opacity.v / cut, shape->visible));
 }
 
-/* Projects Gaussians, without the fade of td_shape_fade: opacity is that with antialiasing, `visible` is in front of the near
- * plane and not too narrow to tell. Lanes that aren't `there` come out invisible. */
+/* Projects Gaussians without the near plane's fade: opacity is that with antialiasing. `visible` is 1 in front of the near
+ * plane, unless the splat is too narrow. Lanes that aren't `there` come out invisible. */
 TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image *image, const td_gaussian *gaussian,
                                    td_mask there) {
     td_shape shape;
@@ -279,7 +278,7 @@ TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image
 #endif
     shape.depth = z;
     shape.visible = (z.v > image->near) & there;
-    /* Behind the near plane a splat is invisible anyway: keep its arithmetic finite. */
+    /* Behind the near plane a splat is invisible; depth 1 keeps its arithmetic finite. */
     td_dual safe = td_dual_select(td_dual_make(td_splat(1.0f), td_splat(0.0f)), z, z.v > image->near);
     td_dual inverse_z = td_dual_reciprocal(safe);
     td_dual x_z = td_dual_mul(x, inverse_z), y_z = td_dual_mul(y, inverse_z);
@@ -301,14 +300,15 @@ TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image
     return shape;
 }
 
-/* All of it. */
+/* Projects Gaussians, with the fade at the near plane. */
 TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_image *image, const td_gaussian *gaussian,
                                     td_mask there) {
     td_shape shape = td_project_bare(view, image, gaussian, there);
     td_lanes z = shape.depth.v;
     td_shape_fade(&shape, shape.opacity, image);
     td_lanes all = (shape.conic[0].d + shape.conic[2].d) + (shape.u.d + shape.v.d) + (shape.opacity.v + shape.opacity.d);
-    /* Its own opacity: what fades at the near plane has none left where its depth isn't a number. */
+    /* By the opacity before the fade: where depth is NaN, the fade leaves no opacity, and the broken splat wouldn't be
+     * found. */
     td_real cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
     td_mask unseen = gaussian->v[TD_G_OPACITY] <= cut;
     shape.broken = (((z > image->near) & (shape.broken | td_is_broken(all))) | td_is_broken(z)) & there & ~unseen;
@@ -330,18 +330,18 @@ TD_INLINE td_sh_source td_sh_source_of(TD_GLOBAL const td_view *view, const td_i
     return sh;
 }
 
-/* From the eye to the Gaussian, along axis j of the object's coordinates. */
+/* From the eye to the Gaussian's origin, along axis j of the object's coordinates. */
 TD_INLINE td_dual td_from_eye(TD_GLOBAL const td_view *view, const td_image *image, const td_gaussian *gaussian, int j) {
-    int origin = td_moving(image) ? TD_G_ORIGIN : TD_G_MEAN; /* the same for what doesn't move, and at hand */
+    int origin = td_moving(image) ? TD_G_ORIGIN : TD_G_MEAN; /* equal for Gaussians at rest, and the mean is loaded already */
     return td_dual_sub(td_number_of(gaussian, image, origin + j), td_dual_all(view->eye[j], view->eye_dot[j]));
 }
 
-/* The unit direction from the eye to the origins of the Gaussians at `row`, and the colours seen along it. */
+/* The colours seen along the unit direction from the eye to the origins of the Gaussians at `row`. */
 TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                       const td_gaussian *gaussian, td_index row) {
     const td_dual d[3] = {td_from_eye(view, image, gaussian, 0), td_from_eye(view, image, gaussian, 1),
                           td_from_eye(view, image, gaussian, 2)};
-    /* A Gaussian at the eye itself is behind the near plane; the offset only keeps 1/length finite. */
+    /* A Gaussian at the eye itself is behind the near plane. The offset only keeps 1/length finite. */
     td_dual length = td_dual_sqrt(td_dual_offset(td_dual_dot3(d, d), TD_REAL(1e-30)));
     td_dual inverse = td_dual_reciprocal(length);
     td_sh_source sh = td_sh_source_of(view, image, source, row);

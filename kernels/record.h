@@ -1,21 +1,21 @@
-/* From a projected Gaussian to the record that the compositor reads (layout.h), for a group of candidates of one tile job. */
+/* From projected Gaussians to the records that the compositor reads, for TD_LANES candidates of one tile job. */
 #ifndef TD_RECORD_H
 #define TD_RECORD_H
 
 #include "extent.h"
 #include "transpose.h"
 
-/* Where a group's records go: TD_LANES neighbours. `colours` only where colour is asked for. The values that a sort reads stand
- * beside the record once more: reading them from records, a line of memory each, took half of the sort's time. */
+/* Where a group's records go: TD_LANES neighbours. `colours` is used only where colour is asked for. `depths` and `masks`
+ * repeat values of the records. Reading these from the records, a cache line each, took half of the sort's time. */
 typedef struct td_sink {
     TD_GLOBAL td_real *records; /* TD_RECORD_STRIDE each */
     TD_GLOBAL td_real *colours; /* td_colour_stride each: r g b and their rates, or features and theirs */
-    TD_GLOBAL td_real *depths;  /* also of what isn't in the tile: what is left as a hint is in their order */
-    TD_GLOBAL td_real *lights;  /* one for TD_LANES: the largest |luminance| of a splat of the tile, below 0 where none is */
-    TD_GLOBAL int *masks;       /* blocks touched, and the low part of depth (fine_depth.h); 0: no splat here */
+    TD_GLOBAL td_real *depths; /* camera z, also of candidates outside the tile: a hint for later jobs is made in their order */
+    TD_GLOBAL td_real *lights; /* one per TD_LANES: the largest |luminance| of a splat in the tile, below 0 without one */
+    TD_GLOBAL int *masks;      /* blocks touched, and the low part of depth for soft order; 0: no splat here */
 } td_sink;
 
-/* The sink of a job's group that begins at record `at` of all. */
+/* The sink for the group that begins at record `at` of a batch. */
 TD_INLINE td_sink td_sink_at(const td_sink *all, const td_image *image, int at) {
     td_sink sink;
     sink.records = all->records + at * TD_RECORD_STRIDE;
@@ -26,7 +26,7 @@ TD_INLINE td_sink td_sink_at(const td_sink *all, const td_image *image, int at) 
     return sink;
 }
 
-/* ln alpha as a quadratic in pixel offsets, in units of log2, and its rate. */
+/* Fills in ln alpha as a quadratic in pixel offsets, in units of log2, and its rate. */
 TD_INLINE void td_lay_shape(const td_shape *shape, td_lanes entry[TD_RECORD_STRIDE]) {
     const td_real half_log2_e = TD_REAL(0.72134752044448170368); /* log2(e) / 2 */
     const td_dual *q = shape->conic;
@@ -53,20 +53,21 @@ TD_INLINE td_dual td_luminance_of(const td_colour *colour, const td_image *image
     return td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
 }
 
-/* The largest of |r|, |g| and |b|, and of their rates nothing: what a sort asks where light isn't linear in them. */
+/* The largest of |r|, |g| and |b|, with rate 0. Where light isn't linear in colours it stands in for luminance: the stop rule
+ * needs it. */
 TD_INLINE td_dual td_largest_channel(const td_colour *colour) {
     td_lanes largest = td_splat(0.0f);
     for (int c = 0; c < 3; c++) largest = td_larger(largest, td_size(colour->channel[c].v));
     return td_dual_make(largest, td_splat(0.0f));
 }
 
-/* Not a number where the splat is broken. */
+/* Fills in luminance and its rate; NaN where the splat is broken, so that the pixels show it. */
 TD_INLINE void td_lay_luminance(td_dual luminance, td_mask broken, td_lanes entry[TD_RECORD_STRIDE]) {
     entry[TD_R_LUMINANCE] = td_select(luminance.v, td_not_a_number(), broken);
     entry[TD_R_LUMINANCE_DOT] = luminance.d;
 }
 
-/* Luminance, or the largest channel, always; colour where asked for. */
+/* Fills in luminance, or the largest channel, and stores the colour where it is asked for. */
 TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td_image *image, const td_sink *sink,
                                td_lanes entry[TD_RECORD_STRIDE]) {
     td_dual light = td_luminance_of(colour, image);
@@ -75,14 +76,14 @@ TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td
     if (!td_has_colours(image)) return;
     for (int c = 0; c < 3; c++) {
         td_lanes value = colour->channel[c].v;
-        if (td_is_coded(image)) value = td_select(value, td_not_a_number(), broken); /* luminance isn't composited */
+        if (td_is_coded(image)) value = td_select(value, td_not_a_number(), broken); /* colours are composited */
         td_scatter(sink->colours, TD_COLOUR_STRIDE, c, value);
         td_scatter(sink->colours, TD_COLOUR_STRIDE, 3 + c, colour->channel[c].d);
     }
 }
 
-/* Features, which stand where the SH of others are, not numbers where the splat is broken; the largest in place of
- * luminance. */
+/* Stores features, which are in the place of SH coefficients; NaN where the splat is broken. The largest |feature| stands in
+ * for luminance. */
 TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source, td_index row,
                                  td_mask broken, const td_sink *sink, td_lanes entry[TD_RECORD_STRIDE]) {
     td_sh_source from = td_sh_source_of(view, image, source, row);
@@ -101,7 +102,7 @@ TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *
 
 #define TD_BEHIND_ALL TD_REAL(1e38) /* the depth of padding */
 
-/* Values of a splat that a tile needs in order to decide whether the splat touches it. */
+/* Values of a splat by which a tile decides whether the splat touches it. */
 typedef struct td_asked {
     td_extent extent;
     td_lanes depth, depth_low;
@@ -118,7 +119,7 @@ TD_INLINE td_asked td_asked_of(const td_shape *shape, const td_image *image, td_
     return asked;
 }
 
-/* Masks and depths of a group; which of it are in the tile. */
+/* Stores masks and depths of a group. Returns the lanes that touch the tile. */
 TD_INLINE td_mask td_store_masks(const td_asked *asked, const td_image *image, const td_job *job, const td_sink *sink) {
     td_mask blocks = td_block_mask(&asked->extent, image, job->x, job->y);
     blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, asked->broken);
@@ -127,19 +128,19 @@ TD_INLINE td_mask td_store_masks(const td_asked *asked, const td_image *image, c
     return blocks != 0;
 }
 
-/* The light of a group, none where nothing of it is in the tile; values that aren't numbers are left out. */
+/* Stores the greatest light of the group's splats that touch the tile, below 0 without one. NaN is left out. */
 TD_INLINE void td_store_light(td_mask in_tile, td_lanes light, const td_sink *sink) {
     sink->lights[0] = td_largest(td_select(td_splat(-1.0f), light, in_tile & (light >= 0.0f)));
 }
 
-/* Records of a group and its light. */
+/* Stores the records of a group, and its light. */
 TD_INLINE void td_store_group(td_mask in_tile, const td_sink *sink, td_lanes entry[TD_RECORD_STRIDE]) {
     td_store_light(in_tile, td_size(entry[TD_R_LUMINANCE]), sink);
     td_store_records(sink->records, entry);
 }
 TD_INLINE void td_store_no_group(const td_sink *sink) { sink->lights[0] = -1; }
 
-/* The records of splats, and their colours or features to the sink. */
+/* Fills in the records of splats, and stores their colours or features. */
 TD_INLINE void td_lay_splats(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                              const td_gaussian *own, td_index row, const td_shape *shape, const td_sink *sink,
                              td_lanes entry[TD_RECORD_STRIDE]) {
@@ -156,7 +157,7 @@ TD_INLINE void td_lay_splats(TD_GLOBAL const td_view *view, const td_image *imag
 TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                      const td_job *job, td_index gaussian, const td_sink *sink) {
     td_gaussian own;
-    td_index row = td_not_below_0(gaussian); /* padding reads row 0 */
+    td_index row = td_not_below_0(gaussian); /* padding reads row 0, and is invisible */
     td_load_gaussian(source, image, row, &own);
     td_shape shape = td_project_shape(view, image, &own, gaussian >= 0);
     td_asked asked = td_asked_of(&shape, image, gaussian >= 0);
@@ -170,7 +171,7 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
     td_store_group(in_tile, sink, entry);
 }
 
-/* The rows of the group behind: they lie anywhere, and to wait for them takes as long as all else. */
+/* Prefetches the rows of the next group: they lie anywhere in memory, and waiting for them would take as long as all else. */
 TD_INLINE void td_project_soon(TD_GLOBAL const int *gaussian, const td_image *image, const td_source *source) {
     for (int lane = 0; lane < TD_LANES; lane++) {
         td_soon(source->geometry + gaussian[lane] * TD_GEOMETRY_STRIDE);
@@ -180,14 +181,14 @@ TD_INLINE void td_project_soon(TD_GLOBAL const int *gaussian, const td_image *im
     }
 }
 
-/* Projects candidates [first, first + TD_LANES) of a job, for which it finds views and places. */
+/* Projects candidates [first, first + TD_LANES) of a job: finds their view, rows and places. */
 TD_INLINE void td_project_group(const td_job *job, int first, TD_GLOBAL const int *candidates, TD_GLOBAL const int *object,
                                 TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
                                 const td_sink *all) {
     td_index gaussian = td_load_ints(candidates + job->candidates + first);
     if (TD_LANES > 1 && first + TD_LANES < job->count)
         td_project_soon(candidates + job->candidates + first + TD_LANES, image, source);
-    int leader = candidates[job->candidates + (first & ~(TD_PAD - 1))]; /* padded: one object per TD_PAD candidates */
+    int leader = candidates[job->candidates + (first & ~(TD_PAD - 1))]; /* TD_PAD candidates are of one object */
     td_source own = td_source_of(source, image, leader);
     TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];
     td_sink sink = td_sink_at(all, image, job->records + first);

@@ -1,4 +1,4 @@
-/* One work-item per several groups of TD_LANES Gaussians and time: records for all tiles that see them (share.h). */
+/* Projects Gaussians once per time, for all tiles that see them. One work-item handles several groups of TD_LANES Gaussians. */
 #include "share.h"
 
 /* Rows [at, last) of `groups` at one time, whose first row is `rows`. */
@@ -15,7 +15,8 @@ TD_APART void td_share_apart(__constant const td_image *image_buffer, __global c
     }
 }
 
-/* `groups`: of TD_PAD Gaussians of the store, those with one that is in some list; slots: the times. */
+/* `groups`: numbers of the groups of TD_PAD Gaussians in the store of which a list has at least one. `slots`: first views of
+ * the times. */
 __kernel void td_share_records(__constant const td_image *image_buffer, __global const int *groups, int group_count,
                                __global const int *slots, __global const int *object, __global const td_view *views,
                                __global const float *geometry, __global const float *rates, __global const float *sh,
@@ -27,8 +28,8 @@ __kernel void td_share_records(__constant const td_image *image_buffer, __global
     td_sink sink;
     sink.records = records;
     sink.colours = colours;
-    sink.depths = sink.lights = records; /* none is written, */
-    sink.masks = 0;                      /* and no mask */
+    sink.depths = sink.lights = records; /* tiles store depths, light */
+    sink.masks = 0;                      /* and masks themselves */
     td_share_apart(image_buffer, groups, at, last, which * count, object, views + slots[which] * image_buffer->objects, &source,
                    &sink, extents);
 }

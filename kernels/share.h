@@ -1,21 +1,21 @@
-/* Records that the tiles of one time share: each Gaussian of the store that is in some list is projected once, and a tile then
- * asks of its candidates only which of its blocks they reach. The result is equal either way (record.h).
+/* Records that the tiles of one time share. Each Gaussian that is in some list is projected once. A tile then computes only
+ * which of its blocks its candidates touch. The records are equal to those of a tile that projects its own.
  *
- * A tile reads a row of the shared values, a line of memory. It leaves records where they are, and the compositor reads the
- * records of the splats that it blends. (Dealing records to the tiles' lists as well took as long as projecting for each.) */
+ * A tile reads one row of shared values, a cache line, per candidate. The compositor reads records where they are. Copying
+ * records to the tiles' lists took as long as projecting for each tile. */
 #ifndef TD_SHARE_H
 #define TD_SHARE_H
 
 #include "record.h"
 
-/* Where they are. */
+/* The shared values. */
 typedef struct td_shared {
-    TD_GLOBAL const td_real *extents; /* (times x rows x TD_EXTENT_STRIDE) as layout.h numbers them */
-    TD_GLOBAL const int *place;       /* which TD_PAD rows of each time's are those of TD_PAD Gaussians of the store */
-    int rows;                         /* of one time */
+    TD_GLOBAL const td_real *extents; /* (times x rows x TD_EXTENT_STRIDE), entries TD_X_... */
+    TD_GLOBAL const int *place; /* for each TD_PAD Gaussians of the store: their group of TD_PAD rows within a time's rows */
+    int rows;                   /* rows per time */
 } td_shared;
 
-/* Rows of Gaussians (>= 0) at a time (td_job.shared). */
+/* Rows of Gaussians (>= 0) at the time of number `shared`, from 1 on. */
 TD_INLINE td_index td_shared_rows(const td_shared *from, int shared, td_index gaussian) {
     td_index group = td_gather_ints(from->place, gaussian >> TD_PAD_BITS);
     return (shared - 1) * from->rows + group * TD_PAD + (gaussian & (TD_PAD - 1));
@@ -23,10 +23,10 @@ TD_INLINE td_index td_shared_rows(const td_shared *from, int shared, td_index ga
 
 /* -- once for all tiles ---------------------------------------------------------------------------------------------------- */
 
-/* Vectors that a work-item makes: drivers hand out work-groups one by one, and on a CPU each is one item. */
+/* Vectors per work-item: drivers hand out work-groups one by one, and on a CPU each has one item. */
 enum { TD_SHARE_VECTORS = TD_LANES > 1 ? TD_SHARE_MANY : 1 };
 
-/* To neighbouring rows. */
+/* Stores shared values in TD_LANES neighbouring rows. */
 TD_INLINE void td_store_asked(const td_asked *asked, td_lanes light, TD_GLOBAL td_real *extents) {
     const td_extent *e = &asked->extent;
     td_lanes entry[TD_EXTENT_STRIDE], none = td_splat(0.0f);
@@ -41,7 +41,7 @@ TD_INLINE void td_store_asked(const td_asked *asked, td_lanes light, TD_GLOBAL t
     td_store_records(extents, entry);
 }
 
-/* Where records, colours and extents of a time's rows from `row` on go. */
+/* The sink for a time's rows from `row` on. */
 TD_INLINE td_sink td_shared_sink(const td_sink *all, const td_image *image, int row) {
     td_sink sink = *all;
     sink.records = all->records + row * TD_RECORD_STRIDE;
@@ -49,7 +49,7 @@ TD_INLINE td_sink td_shared_sink(const td_sink *all, const td_image *image, int 
     return sink;
 }
 
-/* Gaussians [first, first + TD_LANES) of the store, seen or not, by the view of their object. */
+/* Projects Gaussians [first, first + TD_LANES) of the store, whether any tile sees them or not, by the view of their object. */
 TD_INLINE void td_share_group(TD_GLOBAL const td_view *view, const td_image *image, const td_source *all, int first,
                               const td_sink *sink, TD_GLOBAL td_real *extents) {
     td_source source = td_source_of(all, image, first);
@@ -80,7 +80,8 @@ TD_INLINE td_asked td_asked_from(const td_lanes entry[TD_EXTENT_STRIDE], td_mask
     return asked;
 }
 
-/* Candidates [first, first + TD_LANES) of a job: masks, depths and light, and the rows of their records to places[first]. */
+/* Candidates [first, first + TD_LANES) of a job: stores masks, depths and light, and the rows of their records at
+ * places[first]. */
 TD_INLINE void td_deal_group(const td_job *job, int first, td_index gaussian, td_index row, const td_image *image,
                              const td_shared *from, const td_sink *all, TD_GLOBAL int *places) {
     td_lanes entry[TD_EXTENT_STRIDE];
@@ -95,14 +96,15 @@ TD_INLINE void td_deal_group(const td_job *job, int first, td_index gaussian, td
     td_store_ints(places + job->records + first, row);
 }
 
-/* The rows of a group to come. */
+/* Prefetches the shared values of a group. */
 TD_INLINE void td_deal_soon(const td_shared *from, td_index row) {
     int lane[TD_LANES];
     td_index_lanes(row, lane);
     for (int i = 0; i < TD_LANES; i++) td_soon(from->extents + lane[i] * TD_EXTENT_STRIDE);
 }
 
-/* All of a job's, by item `me` of `items`; padding has the row of Gaussian 0's, whatever is there. */
+/* Work-item `me` of `items` deals with its groups of a job. Padding reads the row of Gaussian 0, which needn't exist, and
+ * ignores it. */
 TD_INLINE void td_deal_job(const td_job *job, int me, int items, TD_GLOBAL const int *candidates, const td_image *image,
                            const td_shared *from, const td_sink *all, TD_GLOBAL int *places) {
     TD_GLOBAL const int *own = candidates + job->candidates;

@@ -1,4 +1,4 @@
-/* A tile job that shares records (share.h), kept apart from the kernels that may meet one. */
+/* A tile job that reads shared records, as a function of its own: kernels that seldom meet such a job needn't inline it. */
 #ifndef TD_SHARE_JOBS_H
 #define TD_SHARE_JOBS_H
 
@@ -12,7 +12,7 @@ TD_INLINE td_shared td_shared_make(__global const float *extents, __global const
     return shared;
 }
 
-/* A job whose tile shares them, by item `me` of `items`. */
+/* Work-item `me` of `items` deals with its groups of the job. */
 TD_APART void td_deal_apart(__constant const td_image *image_buffer, __global const td_job *at, int me, int items,
                             __global const int *candidates, const td_shared *from, const td_sink *sinks, __global int *places) {
     const td_image image = *image_buffer;

@@ -1,14 +1,14 @@
-/* Compositing with a soft depth order (docs/soft_order.md): where two splats swap places in depth, hard order makes the image
- * jump; here a splat takes light out not at its depth but from there on, at a rate that falls to 1/e over each soft_depth.
+/* Compositing with a soft depth order (docs/soft_order.md). Where two splats swap places in depth, hard order makes the image
+ * jump. In soft order a splat takes light from its depth on, at a rate that falls to 1/e over each soft_depth.
  *
  * Splat k has the optical depth a_k = -ln(1 - tau_k), with the density a_k exp(-s) at s = (ln z - ln z_k) / soft_depth >= 0
- * behind it. Light falls as dT = -A T ds, A the sum of the densities, and the image gains dY = B T ds, B the sum of density
- * times colour. All densities fall alike, so that from one splat to the next, x behind it, with m = 1 - exp(-x):
+ * behind it. Light falls as dT = -A T ds, where A is the sum of the densities. The image gains dY = B T ds, where B is the sum
+ * of density times colour. All densities fall alike. So from one splat to the next, x behind it, with m = 1 - exp(-x):
  *   T_after = T exp(-A m),   Y_after = Y + (B/A) (T - T_after),   (A, B)_after = (A, B) exp(-x).
- * So the weights of any number of splats add up to 1 - T, T ends as prod (1 - tau_k), splats of one depth share in proportion
- * to a_k, and all of it has a continuous slope in the depths. A splat without a near neighbour is blended as in hard order.
+ * The weights of any number of splats add up to 1 - T, T ends as prod (1 - tau_k), and splats of one depth share in proportion
+ * to a_k. The slope in the depths is continuous. A splat without a near neighbour is blended as in hard order.
  *
- * Depth is the splat's, the same for all pixels; only differences of near depths matter. */
+ * Depth is the splat's, equal for all pixels. Only differences of near depths matter. */
 #ifndef TD_SOFT_ORDER_H
 #define TD_SOFT_ORDER_H
 
@@ -17,40 +17,40 @@
 #include "fine_depth.h"
 #include "transpose.h"
 
-/* x from which on exp(-x) is taken for 0, which is less than what rounding does to a sum with 1 in it. */
+/* The x from which on exp(-x) counts as 0: it is lost in rounding of a sum with 1. */
 #ifdef TD_REAL_DOUBLE
 #define TD_SOFT_REACH 40
 #else
 #define TD_SOFT_REACH 16
 #endif
 
-/* Where splats are in depth, such that differences of near ones are exact. */
+/* Depths of splats, so that differences of near ones are exact. */
 typedef struct td_soft_depth {
-    td_lanes z, low; /* rounded; the rest, relative to z */
+    td_lanes z, low; /* z rounded; its rounding error relative to z */
     td_lanes growth; /* z_dot / z */
 } td_soft_depth;
 
-/* From each splat of a group to the next: 1 where that is near, else 0; m, its rate, 1 - m, and -m as a power of 2; without a
- * near neighbour 1, 0, 0 and -log2 e. */
+/* From each splat of a group to the next: near, 1 or 0; m and its rate; left = 1 - m; and -m log2(e). Without a near next splat
+ * they are 0, 1, 0, 0 and -log2(e). */
 typedef struct td_soft_steps {
     int near[TD_GROUP];
     td_real m[TD_GROUP], m_dot[TD_GROUP], left[TD_GROUP], power[TD_GROUP];
 } td_soft_steps;
 
-/* One of them. */
+/* One entry of td_soft_steps. */
 typedef struct td_soft_step {
     td_real m, m_dot, left, power;
 } td_soft_step;
 
 /* The splats that take out light now. */
 typedef struct td_soft {
-    td_sums sums;      /* by density: B */
+    td_sums sums;      /* B, sums weighted by density */
     td_lanes a, a_dot; /* A */
-    int open;          /* there are some */
+    int open;          /* 1: some splats take out light now */
 } td_soft;
 
-/* 1 - exp(-x), to some ulp of itself, for x up to a little above TD_SOFT_REACH: by Taylor's series at x/16, and four times 1 -
- * exp(-2 h) = m (2 - m). The terms left out of the series, h^6/5040, shrink with the slope: below 5e-9 in the end. */
+/* 1 - exp(-x), to some ulp of itself, for x up to a little above TD_SOFT_REACH. It is Taylor's series at x/16, and four times
+ * 1 - exp(-2 h) = m (2 - m). The series' error, h^6/5040, ends below 5e-9. */
 TD_INLINE td_lanes td_soft_taken(td_lanes x) {
 #ifdef TD_REAL_DOUBLE
     return td_exact_taken(x);
@@ -63,13 +63,13 @@ TD_INLINE td_lanes td_soft_taken(td_lanes x) {
 #endif
 }
 
-/* Is a splat at depth z still reached by one in front of it, at depth y? */
+/* 1 where a splat at depth z is near one in front of it at depth y: its density is still above 0. */
 TD_INLINE td_mask td_is_near(const td_image *image, td_lanes y, td_lanes z) {
     return z - y < (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth * (z + y);
 }
 
-/* ln(z/z_front) = 2 artanh u, u = (z - z_front) / (z + z_front), by its series to u^7: for depths up to TD_SOFT_REACH apart. In
- * units of soft_depth, and its rate. */
+/* ln(z/z_front) in units of soft_depth, and its rate: 2 artanh u, u = (z - z_front) / (z + z_front), by its series to u^7,
+ * which is enough for depths up to TD_SOFT_REACH apart. */
 TD_INLINE void td_soft_between(const td_image *image, const td_soft_depth *front, const td_soft_depth *behind, td_lanes *x,
                                td_lanes *x_dot) {
     td_lanes u = (behind->z - front->z) / (behind->z + front->z), s = u * u;
@@ -80,7 +80,7 @@ TD_INLINE void td_soft_between(const td_image *image, const td_soft_depth *front
     *x_dot = (behind->growth - front->growth) * scale;
 }
 
-/* TD_LANES splats' depths and their rates, in pairs, and masks. */
+/* TD_LANES splats' depths, from pairs of depth and rate, and the low parts from masks. */
 TD_INLINE td_soft_depth td_soft_depths(const td_real *depth, const int *mask) {
     td_soft_depth all;
     td_lanes rate;
@@ -90,7 +90,7 @@ TD_INLINE td_soft_depth td_soft_depths(const td_real *depth, const int *mask) {
     return all;
 }
 
-/* Depths and their rates, in pairs, and masks of a group's splats and the one behind, for whole vectors. */
+/* Gathers pairs of depth and rate, and masks, of a group's splats and of the splat behind it, in whole vectors. */
 TD_INLINE void td_soft_gather(const td_list *list, const td_group *group, int end, td_real *depth, int *mask) {
 #ifdef TD_OPENCL
 #pragma clang loop vectorize(disable)
@@ -103,7 +103,7 @@ TD_INLINE void td_soft_gather(const td_list *list, const td_group *group, int en
     }
 }
 
-/* Steps [k, k + TD_LANES), of which `m` and `m_dot` hold the ways, and their rates. */
+/* Stores steps [k, k + TD_LANES) from their m and rates. */
 TD_INLINE void td_soft_lay(td_soft_steps *steps, int k) {
     td_lanes none = td_splat(0.0f), taken = td_soft_taken(td_collect(steps->m + k)), left = 1 - taken;
     td_mask near = td_collect_ints(steps->near + k) != 0;
@@ -114,8 +114,8 @@ TD_INLINE void td_soft_lay(td_soft_steps *steps, int k) {
     td_spread(td_select(none, left, near), steps->left + k);
 }
 
-/* The ways from the splats of a group to the next ones: they depend on depth alone, and are the same for all pixels. Loops are
- * several: what one vector of splats waits for, another doesn't. */
+/* The steps from the splats of a group to the next ones. They depend on depth alone, and are equal for all pixels. There are
+ * several loops, since each waits for other results. */
 TD_INLINE void td_soft_measure(const td_list *list, const td_image *image, const td_group *group, td_soft_steps *steps) {
     td_real depth[2 * TD_GROUP + 2];
     int mask[TD_GROUP + 1], end = (group->count + TD_LANES - 1) / TD_LANES * TD_LANES;
@@ -132,7 +132,7 @@ TD_INLINE void td_soft_measure(const td_list *list, const td_image *image, const
     for (int k = 0; k < end; k += TD_LANES) td_soft_lay(steps, k);
 }
 
-/* a = -ln(1 - tau) and its rate. 1 - tau is rounded, by more than a small tau has digits: what was lost is taken off again. */
+/* a = -ln(1 - tau) and its rate. A small tau loses digits when 1 - tau is rounded; the rounding error is added again. */
 TD_INLINE void td_optical_depth(td_lanes tau, td_lanes tau_dot, td_lanes *a, td_lanes *a_dot) {
     td_lanes clear = 1 - tau, inverse;
     *a = (tau - (1 - clear)) - td_log_inverse(clear, &inverse);
@@ -145,7 +145,7 @@ TD_INLINE void td_soft_start(td_soft *soft, const td_image *image) {
     soft->open = 0;
 }
 
-/* Adds what the splats show, w times, to the image. */
+/* Adds w times the sums by density to the image. */
 TD_INLINE void td_add_sums(const td_soft *soft, const td_image *image, td_lanes w, td_lanes w_dot, td_sums *to) {
     const td_sums *from = &soft->sums;
     if (td_with_decoder(image)) {
@@ -168,13 +168,13 @@ TD_INLINE void td_add_sums(const td_soft *soft, const td_image *image, td_lanes 
     to->depth_dot = td_fma(w_dot, from->depth, td_fma(w, from->depth_dot, to->depth_dot));
 }
 
-/* value and rate times `left` and its rate */
+/* Multiplies a value and its rate by step->left, and adds its rate. */
 TD_INLINE void td_soft_fall(const td_soft_step *step, td_lanes *value, td_lanes *rate) {
     *rate = td_fma(*rate, step->left, *value * -step->m_dot);
     *value = *value * step->left;
 }
 
-/* Densities fall. */
+/* Densities fall over a step. */
 TD_INLINE void td_soft_fall_all(const td_soft_step *step, const td_image *image, td_soft *soft) {
     td_sums *sums = &soft->sums;
     td_soft_fall(step, &soft->a, &soft->a_dot);
@@ -187,7 +187,7 @@ TD_INLINE void td_soft_fall_all(const td_soft_step *step, const td_image *image,
     td_soft_fall(step, &sums->depth, &sums->depth_dot);
 }
 
-/* Where densities have become next to nothing they become nothing, before they slow processors down. */
+/* Sets negligible densities to 0, before they become denormal numbers, which slow processors down. */
 TD_INLINE void td_soft_clear(const td_image *image, td_soft *soft, td_channels *channels) {
     td_sums *sums = &soft->sums;
     td_lanes some = td_select(td_splat(0.0f), td_splat(1.0f), soft->a > TD_REAL(1e-20));
@@ -204,8 +204,8 @@ TD_INLINE void td_soft_clear(const td_image *image, td_soft *soft, td_channels *
     sums->depth_dot = sums->depth_dot * some;
 }
 
-/* Light goes one step on: T falls, and the image gains W B, W = (T - T_after) / A. Where A is small T - T_after has few digits
- * right, but B is no larger than A times a colour, so that they are enough; where A is 0 so is B. */
+/* Light passes one step: T falls, and the image gains W B, W = (T - T_after) / A. For a small A, T - T_after has few correct
+ * digits. They suffice, because B is at most A times a colour. Where A is 0 so is B. */
 TD_INLINE td_shown td_soft_go(const td_soft *soft, const td_soft_step *step, const td_image *image, td_composite *pixels) {
     td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
     td_lanes fall = td_exp2(soft->a * step->power);
@@ -222,7 +222,8 @@ TD_INLINE td_shown td_soft_go(const td_soft *soft, const td_soft_step *step, con
     return shown;
 }
 
-/* Rules that drop splats, by the light that is left behind all so far: where they blend it; tau is 0 elsewhere. */
+/* The lanes in which rules that drop splats blend this one, by the light left behind all splats so far. tau becomes 0
+ * elsewhere. */
 TD_INLINE td_mask td_soft_admit(const td_image *image, td_lanes wanted, td_composite *pixels, td_lanes *tau,
                                 td_lanes *tau_dot) {
     td_mask on = pixels->live;
@@ -237,8 +238,8 @@ TD_INLINE td_mask td_soft_admit(const td_image *image, td_lanes wanted, td_compo
     return on;
 }
 
-/* Blends splat k of a group, of optical depth a, and goes on to the next, where that is near, or to the end of what this one
- * reaches. */
+/* Blends splat k of a group, of optical depth a. Then light passes the step to the next splat where that is near, or else all
+ * the rest of this splat's density. */
 TD_INLINE td_shown td_blend_soft(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
                                  const td_soft_steps *steps, int k, td_lanes a, td_lanes a_dot, td_soft *soft,
                                  td_composite *pixels) {

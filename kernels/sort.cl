@@ -1,14 +1,15 @@
-/* Tile jobs, by turns: bitonic sort of each one's splats by (depth, candidate), a total order, so that the image doesn't
- * depend on the device. Keys are positive float bits above the candidate's number, compared as signed 64-bit integers.
+/* Work-groups take tile jobs in turn, and sort each job's splats by (depth, candidate). This order is total, so that the image
+ * doesn't depend on the device. Keys are the bits of a positive float above the candidate's number, compared as signed 64-bit
+ * integers.
  *
- * Keys are gathered in the order that an earlier job of the tile left (td_job.hint): a list that is in order then is left
- * alone; on a GPU only if what doesn't touch the tile now is in order too. Sorting by insertion what is nearly in order
- * doesn't pay: under a moving camera no number of moves that it was allowed (1 to 64 per key; AVX-512) beat the network. */
+ * Keys are gathered in the order that an earlier job of the tile left, the hint. A list that is in order then isn't sorted; on
+ * a GPU, only if candidates that don't touch the tile are in order too. Lists that are nearly in order are sorted by the
+ * network too: insertion with 1 to 64 moves allowed per key was slower under a moving camera (AVX-512). */
 #include "bitonic.h"
 #include "block_words.h"
 #include "job_turns.h"
 
-enum { TD_GROUP_MOST = 64 }; /* work-items of a group */
+enum { TD_GROUP_MOST = 64 }; /* work-items of a work-group at most */
 
 static long td_key(__global const float *depths, int candidate) {
     return ((long)as_int(depths[candidate]) << 32) | (long)candidate;
@@ -19,7 +20,7 @@ static int td_candidate_of(long key) { return (int)(key & 0xffffffffL); }
 /* Place i of the order to begin with: a hint, or the candidates' own. */
 static int td_hinted(__global const int *hint, int i) { return hint ? hint[i] : i; }
 
-/* Result of sorting a job: the number of keys, among them perhaps some of candidates that touch none of its blocks, and 1 where
+/* Result of sorting a job: the number of keys, some of which may be of candidates that touch no block of the tile, and 1 where
  * they were in order. */
 typedef struct td_sorted {
     int count, kept;
@@ -32,7 +33,8 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
     (void)shared;
     td_sorted done = {0, 1};
     if (job->count == 0) return done; /* a job without candidates has no keys either */
-    /* Each is written, and kept by moving on: whether a candidate touches the tile, a branch can't tell. */
+    /* Each key is written, and kept by moving on to the next place. A branch on whether a candidate touches the tile would be
+     * mispredicted often. */
     const int count = job->count, blocks = job->blocks, always = job->new_hint != 0;
     for (int i = 0; i < count; i++) {
         int candidate = td_hinted(hint, i);
@@ -60,7 +62,7 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
     barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE);
     for (int i = 1 + me; i < job->count; i += items)
         if (keys[i - 1] > keys[i]) *shared = 0;          /* all writers write 0 */
-    barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE); /* of both: the sort writes the keys that are read here */
+    barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE); /* both: the sort reads keys of other items */
     done.kept = *shared;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (!done.kept) td_bitonic_sort(keys, capacity);
@@ -69,8 +71,8 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
 
 #endif
 
-/* Lists the sorted candidates that touch the blocks, in their order, by the whole work-group; returns how many. `places`: the
- * places of records that tiles share; or 0. */
+/* Lists the sorted candidates that touch the blocks, in their order, by the whole work-group. Returns their number. `places`:
+ * places of records that tiles share, or 0. */
 static int td_place_splats(__global const long *keys, int n, __global const int *masks, int blocks, __global const int *places,
                            __global int *order, __global int *sorted_masks, __local int *shared) {
     int first = 0, last = n, at = 0;
@@ -103,14 +105,15 @@ static int td_place_splats(__global const long *keys, int n, __global const int 
 #endif
 }
 
-/* The greatest light of the whole tile, because the place where a block stops doesn't depend on the blocks asked for. */
+/* The greatest light of the whole tile's splats and backdrop, also of blocks that aren't asked for: the place where a block
+ * stops mustn't depend on these. */
 static float td_brightest_of(int count, float backdrop, __global const float *lights) {
     float most = backdrop;
     for (int i = 0; i < count / TD_LANES; i++) most = lights[i] > most ? lights[i] : most;
     return most;
 }
 
-/* A job's arrays, from its first record on. */
+/* Arrays of one job, from its first record on. */
 typedef struct td_sorting {
     __global const float *depths, *lights;
     __global const int *masks, *hint, *places; /* places: or 0 */
@@ -118,7 +121,7 @@ typedef struct td_sorting {
     __global int *order, *sorted_masks, *words, *new_hint;
 } td_sorting;
 
-/* By item `me` of `items`. */
+/* Sorts a job, as work-item `me` of `items`. */
 TD_APART td_sorted td_sort_apart(__global const td_job *job, const td_sorting *arrays, float backdrop, int me, int items,
                                  __local int *shared, __global float *brightest) {
     const td_sorting of = *arrays;
@@ -132,9 +135,9 @@ TD_APART td_sorted td_sort_apart(__global const td_job *job, const td_sorting *a
     return done;
 }
 
-/* order, sorted_masks and words: what td_list wants; counts[job], and counts[jobs + job] 1 where the list was in order;
- * brightest[job]. Keys have twice the room of the records: `key_room` of a group's own, which stay in its core's cache from job
- * to job, or where that is 0 of each job's. */
+/* `order`, `sorted_masks` and `words` are the tiles' lists. counts[job] is a list's length; counts[job_count + job] is 1 where
+ * it was in order already. brightest[job] is the greatest light. Each group has room for `key_room` keys, which stay in its
+ * core's cache from job to job. With key_room 0 each job has its own, twice as many keys as records. */
 __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *depths,
                            __global const float *lights, __global const int *masks, __global long *keys, __global int *order,
                            __global int *sorted_masks, __global int *counts, __global float *brightest, __global int *hints,

@@ -1,29 +1,29 @@
-/* How far an object's path strays from the cubic that a sweep takes it for: the bounds that the host finds, path by path
- * (lib/render/dynamic/stray.c), and what they come to on the screen.
+/* Strays: how far an object's path deviates from the cubic through an interval's ends. The host bounds them path by path
+ * (lib/render/dynamic/stray.c); here they become errors on the screen.
  *
- * A view maps a point p of the object to R p + t. Between two times a sweep takes each entry of R and t for the cubic through
- * both and their rates. Where the path does something else in between, a vibration that begins and ends at rest above all, a
- * point is off by |(dt + dR origin) + dR (p - origin)|, at most position + rotation |p - origin|. */
+ * A view maps a point p of the object to R p + t. A sweep takes each entry of R and t for the cubic through both ends and their
+ * rates. Where the path deviates in between, such as a vibration that begins and ends at rest, a point is off by |(dt + dR
+ * origin) + dR (p - origin)|. That is at most position + rotation |p - origin|. */
 #ifndef TD_STRAY_H
 #define TD_STRAY_H
 
 #include "projection.h"
 
-/* Up to 4096 pieces: of a step of 10 ms, 2.4 us each, about the shortest step that there is. */
+/* Up to 4096 parts: for a step of 10 ms they are 2.4 us, about the shortest step. */
 enum { TD_STRAY_LEVELS = 13 };
 
-/* An object's bounds with the interval cut into 1, 2, 4 .. equal pieces and a cubic for each. Reals only, 32 of them. */
+/* Bounds for an object, with the interval cut into 1, 2, 4 .. equal parts and a cubic for each. Reals only, 32 of them. */
 typedef struct td_stray {
     td_real origin[3];                 /* in the object's coordinates */
-    td_real position[TD_STRAY_LEVELS]; /* in the camera's */
-    td_real rotation[TD_STRAY_LEVELS]; /* length of dR, an object's scale included */
+    td_real position[TD_STRAY_LEVELS]; /* [scene units], camera coordinates */
+    td_real rotation[TD_STRAY_LEVELS]; /* length of dR [1], which contains the object's scale */
     td_real padding[3];
 } td_stray;
 
-/* Lengths in the object's coordinates, the most that rows of the same Gaussians have. */
+/* Lengths in the object's coordinates: the greatest of several rows of the same Gaussians. */
 typedef struct td_reach {
-    td_lanes mean;   /* of the mean from the stray's origin */
-    td_lanes factor; /* of the factor: no axis is longer */
+    td_lanes mean;   /* distance of the mean from the stray's origin */
+    td_lanes factor; /* length of the factor: no axis is longer */
 } td_reach;
 
 TD_INLINE td_reach td_reach_at(TD_GLOBAL const td_stray *stray, const td_source *source, td_index row) {
@@ -43,7 +43,7 @@ TD_INLINE td_reach td_reach_at(TD_GLOBAL const td_stray *stray, const td_source 
     return reach;
 }
 
-/* Greatest error of points of the Gaussians, out to `sigmas` standard deviations [scene units]. */
+/* Greatest error of points of the Gaussians [scene units], out to `sigmas` standard deviations. */
 TD_INLINE td_lanes td_stray_of(TD_GLOBAL const td_stray *stray, int level, const td_reach *reach, td_lanes sigmas) {
     return td_fma(td_fma(sigmas, reach->factor, reach->mean), stray->rotation[level], td_splat(stray->position[level]));
 }

@@ -1,5 +1,5 @@
-/* One work-item per TD_LANES of `count` Gaussians, from `begin` on or, in_groups, those of `groups` of TD_PAD: the box that
- * each stays within over an interval, and what it asks for lest it goes unseen (sweep.h). */
+/* One work-item per TD_LANES of `count` Gaussians, from `begin` on, or of `groups` of TD_PAD where in_groups. It finds the box
+ * that each stays within over an interval, and the number of samples that it needs. */
 #include "sweep.h"
 
 TD_APART void td_sweep_apart(__constant const td_image *image_buffer, const td_interval *whole, const td_source *sources,

@@ -1,46 +1,46 @@
-/* The screen box that a Gaussian's splat stays within while time runs over an interval. Tile candidate lists are made of these
- * boxes.
+/* The screen box that a Gaussian's splat stays within over an interval of time. Tiles' candidate lists are made of these boxes.
  *
- * The interval is taken in pieces, mostly one; their boxes are joined. In each the splat is projected at the start, the middle
- * and the end. Its mean's path lies near the cubic through the ends with their rates; that cubic lies within its Bezier points;
- * and the middle tells how far the path strays from it, where object and camera move as cubics do. The host bounds their other
- * motion between the samples (stray.h), and boxes are wider by that much. */
+ * The interval is cut into pieces, mostly one, and their boxes are joined. In each piece the splat is projected at the start,
+ * the middle and the end. Its mean's path is near the cubic through the ends with their rates, which lies within its Bezier
+ * points. If object and camera move as cubics, the middle shows how far the path deviates from that cubic. For other motion the
+ * host bounds the deviation (stray.h), and boxes are wider by that. */
 #ifndef TD_SWEEP_H
 #define TD_SWEEP_H
 
 #include "unseen.h"
 
-/* The interval that is swept: 2^level pieces, with views and rows at their 2^(level + 1) + 1 times, from one to the next. */
+/* The interval: 2^level pieces, with views and rows at their 2^(level + 1) + 1 times, in order. */
 typedef struct td_interval {
     TD_GLOBAL const td_view *views;   /* (times x objects) */
     TD_GLOBAL const td_stray *strays; /* (objects) */
-    TD_GLOBAL const int *object;      /* of each of the store's Gaussians */
-    TD_GLOBAL const int *rows;        /* (times) the first Gaussian's row */
+    TD_GLOBAL const int *object;      /* of each Gaussian of the store */
+    TD_GLOBAL const int *rows;        /* (times) row of the first Gaussian */
     td_real duration;
     int level;
 } td_interval;
 
-/* Depths of this ratio keep x/z of a cubic within 1e-5 of its size from the cubic through its ends: (ratio - 1)^4 / 16. */
+/* While depths are within this ratio, x/z of a cubic is within 1e-5 of its size from the cubic through its ends:
+ * (ratio - 1)^4 / 16. */
 #define TD_NEARLY_FLAT TD_REAL(1.1)
-/* Beyond any screen. */
+/* A place beyond any screen [px]. */
 #define TD_NOWHERE TD_REAL(1e30)
-/* Pieces that a passage of the near plane asks for at most: the whole image waits for them. */
+/* Pieces that a splat which passes the near plane asks for, at most: the pieces are cut for the whole image. */
 #define TD_CROSSING_MOST TD_REAL(256.0)
 
 /* Results for TD_LANES Gaussians after some pieces. */
 typedef struct td_swept {
     td_lanes x0, y0, x1, y1; /* empty: x0 > x1 */
-    td_lanes travel;         /* in one piece at most */
-    td_lanes pieces;         /* asked for otherwise */
+    td_lanes travel;         /* the greatest of all pieces, in diameters */
+    td_lanes pieces;         /* number of pieces asked for by other reasons */
     td_lanes peak;           /* greatest opacity of the samples */
-    td_lanes z0, z1;         /* depths */
-    td_mask crosses;         /* the near plane */
+    td_lanes z0, z1;         /* camera z, least and greatest */
+    td_mask crosses;         /* passes the near plane */
     td_mask shown;           /* on the screen at the interval's start or end */
 } td_swept;
 
-/* Smallest and largest of the Bezier points of the cubic through (p0, rate r0) and (p1, rate r1), and of the middle, widened by
- * four times what the middle is off the cubic by more than `known` (a quartic term that shows as e there is at most e within;
- * the rest is safety). */
+/* The range of the Bezier points of the cubic through (start, rate) and (end, rate), and of the middle. It is widened by four
+ * times the middle's distance from the cubic beyond `known`: a quartic term that shows as e there is at most e elsewhere, and
+ * the rest is safety. */
 TD_INLINE void td_sweep_range(td_dual start, td_dual middle, td_dual end, td_real duration, td_lanes known, td_lanes *lower,
                               td_lanes *upper) {
     td_real third = duration / 3;
@@ -51,14 +51,14 @@ TD_INLINE void td_sweep_range(td_dual start, td_dual middle, td_dual end, td_rea
     *upper = td_larger(td_larger(start.v, end.v), td_larger(td_larger(b1, b2), middle.v)) + stray;
 }
 
-/* Largest of three half-widths, plus their spread: they too may bulge between the samples. */
+/* The largest of three half-widths, plus their spread, since half-widths may bulge between samples too. */
 TD_INLINE td_lanes td_sweep_width(td_lanes a, td_lanes b, td_lanes c) {
     td_lanes most = td_larger(td_larger(a, b), c), least = td_smaller(td_smaller(a, b), c);
     return most + (most - least);
 }
 
-/* Gaussians whose own opacity changes may be visible only between the samples: gives all three the greatest opacity that the
- * cubic through them reaches, and so the ellipse out to where that one is cut. */
+/* For Gaussians whose opacity changes: the greatest may lie between samples. All three shapes get the greatest opacity of the
+ * cubic through them, and the ellipse out to where that is cut. */
 TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real duration) {
     td_lanes lower, upper;
     td_real cut = td_least_seen(image);
@@ -72,8 +72,8 @@ TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real du
     }
 }
 
-/* Gaussians that fade near the plane between the samples: gives all three the greatest opacity there, which rises with depth,
- * up to `z1`, and the ellipse out to where that one is cut. */
+/* For Gaussians near the near plane: the fade rises with depth, up to `z1`. All three shapes get the greatest opacity, and the
+ * ellipse out to where that is cut. */
 TD_INLINE void td_sweep_fade(td_shape s[3], const td_image *image, td_lanes opacity, td_lanes z0, td_lanes z1) {
     if (!(image->near_full > image->near)) return;
     td_real scale = 1 / (image->near_full - image->near), cut = td_least_seen(image);
@@ -87,7 +87,7 @@ TD_INLINE void td_sweep_fade(td_shape s[3], const td_image *image, td_lanes opac
     }
 }
 
-/* Opacity as it is stored, the most of the rows' where they change. */
+/* Opacity as stored; where it changes, the greatest of the three rows. */
 TD_INLINE td_lanes td_sweep_own_opacity(const td_image *image, const td_source *source, const int row[3]) {
     td_lanes most = td_gather(source->geometry, td_count_from(row[0]) * TD_GEOMETRY_STRIDE + TD_G_OPACITY);
     if (td_moving(image) && source->moved)
@@ -96,7 +96,7 @@ TD_INLINE td_lanes td_sweep_own_opacity(const td_image *image, const td_source *
     return most;
 }
 
-/* The most of the rows' reaches. */
+/* The greatest lengths of the three rows. */
 TD_INLINE td_reach td_sweep_reach(TD_GLOBAL const td_stray *stray, const td_image *image, const td_source *source,
                                   const int row[3]) {
     td_reach most = td_reach_at(stray, source, td_count_from(row[0]));
@@ -108,13 +108,13 @@ TD_INLINE td_reach td_sweep_reach(TD_GLOBAL const td_stray *stray, const td_imag
     return most;
 }
 
-/* One axis of the screen, as the views take it and as td_sweep_outside needs it. */
+/* One axis of the screen. */
 typedef struct td_axis {
     td_real focal, centre, size, limit; /* limit: what |x/z| is clamped to in the Jacobian */
-    int row;                            /* of the view's matrix */
+    int row;                            /* row of the view's matrix */
 } td_axis;
 
-/* Where means are in the camera's coordinates: entry `axis`. */
+/* Entry `axis` of the means in camera coordinates. */
 TD_INLINE td_dual td_sweep_place(int axis, TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                  int row) {
     td_dual mean[3];
@@ -123,8 +123,8 @@ TD_INLINE td_dual td_sweep_place(int axis, TD_GLOBAL const td_view *view, const 
     return td_view_row(view->r + 3 * axis, view->r_dot + 3 * axis, image, mean, view->t[axis], view->t_dot[axis]);
 }
 
-/* The mask of those that stay to one side of the image, at whatever depth up to z1: x_camera / z only falls with depth. `size`:
- * how far the splats reach in the scene; `blur`: and on the screen. */
+/* The splats that stay to one side of the image at any depth up to z1: x_camera / z only falls with depth. `size`: reach of the
+ * splats in the scene; `blur`: their additional reach [px]. */
 TD_INLINE td_mask td_sweep_outside(const td_axis *axis, TD_GLOBAL const td_view *const view[3], const td_image *image,
                                    const td_source *source, const int row[3], td_real duration, td_lanes z1, td_lanes size,
                                    td_lanes blur) {
@@ -138,7 +138,7 @@ TD_INLINE td_mask td_sweep_outside(const td_axis *axis, TD_GLOBAL const td_view 
            (axis->focal * (x1 + reach) < -deep * (axis->centre + blur));
 }
 
-/* Through a lens: those farther from the axis than any corner, whatever their depth up to z1. */
+/* With a lens, the splats that stay farther from the axis than any corner, at any depth up to z1. */
 TD_INLINE td_mask td_sweep_beyond(TD_GLOBAL const td_view *const view[3], const td_image *image, const td_source *source,
                                   const int row[3], td_real duration, td_lanes z1, td_lanes size, td_lanes blur) {
     td_lanes across = td_splat(0.0f);
@@ -154,26 +154,27 @@ TD_INLINE td_mask td_sweep_beyond(TD_GLOBAL const td_view *const view[3], const 
     return td_lens_outside(image, td_sqrt(across), td_larger(z1, td_splat(image->near)), size, blur / focal);
 }
 
-/* Larger of the two sizes of a clamp's ends. */
+/* The greater absolute value of a clamp's ends. */
 TD_INLINE td_real td_sweep_limit(td_real lower, td_real upper) { return upper > -lower ? upper : -lower; }
 
-/* A piece's values that are equal for all that is computed of it. */
+/* A piece, and its values that are used more than once. */
 typedef struct td_piece {
     td_shape s[3];
     TD_GLOBAL const td_view *view[3];
     TD_GLOBAL const td_stray *stray;
-    int level, strays;       /* 1: paths stray at all */
-    int row[3], first, last; /* of the interval's pieces */
+    int level, strays;       /* strays, 1: some path has a stray */
+    int row[3], first, last; /* rows of the samples; numbers of the first and last time */
     td_real duration;
     td_reach reach;
     td_lanes opacity;
-    td_lanes off;    /* what the splat's points are off by [scene units] */
-    td_lanes known;  /* what of that explains where the mean is in the middle: all, unless the depth makes it stray by itself */
+    td_lanes off;    /* bound on the strays of the splat's points [scene units] */
+    td_lanes known;  /* its part that the mean shows in the middle: all, unless depths differ much */
     td_lanes z0, z1; /* depths */
 } td_piece;
 
-/* Whatever crosses the near plane gets the whole image, or, where it is to the side of it all the while, nothing: it isn't
- * among those seen by their samples any more, `ever`, since it has no place on the screen while it is behind the plane. */
+/* The splats that pass the near plane. They get the whole image as their box, or nothing where they are beside the image all
+ * the time. They are taken out of `ever`, those whose samples give a box: behind the plane a splat has no place on the
+ * screen. */
 TD_INLINE td_mask td_sweep_crosses(const td_piece *piece, const td_image *image, const td_source *source, td_mask *ever) {
     const td_shape *s = piece->s;
     td_mask behind = (s[0].depth.v <= image->near) | (s[1].depth.v <= image->near) | (s[2].depth.v <= image->near);
@@ -183,7 +184,7 @@ TD_INLINE td_mask td_sweep_crosses(const td_piece *piece, const td_image *image,
     *ever &= crosses == 0;
     td_real least = td_least_seen(image), scale = 0;
     td_lanes sigmas = td_sqrt(2.0f * td_log(td_select(td_splat(1.0f), piece->opacity / least, piece->opacity > least)));
-    for (int k = 0; k < 3; k++) scale += piece->view[1]->r[6 + k] * piece->view[1]->r[6 + k]; /* an object's, squared */
+    for (int k = 0; k < 3; k++) scale += piece->view[1]->r[6 + k] * piece->view[1]->r[6 + k]; /* an object's scale^2 */
     td_lanes size = td_fma(sigmas * td_sqrt(td_splat(scale)),
                            TD_REAL(1.01) * td_sweep_reach(piece->stray, image, source, piece->row).factor, piece->off);
     td_lanes blur = td_fma(sigmas, td_sqrt(td_splat(image->dilation)), td_splat(1.0f));
@@ -196,27 +197,27 @@ TD_INLINE td_mask td_sweep_crosses(const td_piece *piece, const td_image *image,
     return crosses & (outside == 0);
 }
 
-/* Whether a sample shows the splat on the screen. */
+/* 1 where a sample shows the splat on the screen. */
 TD_INLINE td_mask td_sweep_shows(const td_shape *s, td_lanes rx, td_lanes ry, const td_image *image) {
     return s->visible & (s->u.v + rx > 0.0f) & (s->u.v - rx < (td_real)image->width) & (s->v.v + ry > 0.0f) &
            (s->v.v - ry < (td_real)image->height);
 }
 
-/* Pieces asked for by what crosses the near plane and isn't seen at either end: two for each width of the fade (a quarter of
- * the near plane's depth where there is none) that its depth goes through. Behind the plane nothing else is known of it. */
+/* Pieces asked for by splats that pass the near plane and aren't seen at either end: two for each width of the fade that their
+ * depth passes. Where there is no fade its width is a quarter of the near plane's depth. Behind the plane nothing else is known
+ * of a splat. */
 TD_INLINE td_lanes td_sweep_crossing(const td_swept *swept, const td_image *image) {
     td_real fade = image->near_full > image->near ? image->near_full - image->near : 0.25f * image->near;
     td_lanes pieces = td_smaller(2.0f * (swept->z1 - swept->z0) / fade, td_splat(TD_CROSSING_MOST));
     return td_select(td_splat(1.0f), pieces, swept->crosses & (swept->shown == 0));
 }
 
-/* Half-widths on the screen, and where the mean may be. */
+/* Ranges of the mean on the screen, and half-widths [px]. */
 typedef struct td_span2 {
     td_lanes x0, y0, x1, y1;
 } td_span2;
 
-/* How many focal lengths of pixels a unit of scene comes to at most, seen at x, y focal lengths from the principal point:
- * slopes, or through a lens what bounds them. */
+/* Pixels per unit of scene at depth 1, over the focal length, at most, at x and y focal lengths from the principal point. */
 TD_INLINE td_lanes td_sweep_tilt(const td_piece *piece, const td_image *image, td_lanes x, td_lanes y) {
     td_lanes nearest = td_larger(piece->z0, td_splat(image->near));
     if (td_lens_model(image)) {
@@ -226,12 +227,12 @@ TD_INLINE td_lanes td_sweep_tilt(const td_piece *piece, const td_image *image, t
     return td_sqrt(td_fma(x, x, td_fma(y, y, td_splat(1.0f)))) / nearest;
 }
 
-/* The farthest of the samples from the principal point, as a slope. */
+/* The greatest |slope| of the samples from the principal point. */
 TD_INLINE td_lanes td_sweep_slope(td_dual a, td_dual b, td_dual c, td_real centre, td_real focal) {
     return td_larger(td_size(a.v - centre), td_larger(td_size(b.v - centre), td_size(c.v - centre))) / focal;
 }
 
-/* Where the mean may be, but for what paths stray. */
+/* The range of the mean, without strays. */
 TD_INLINE td_span2 td_sweep_mean(const td_piece *piece, const td_image *image) {
     const td_shape *s = piece->s;
     td_span2 box;
@@ -246,8 +247,8 @@ TD_INLINE td_span2 td_sweep_mean(const td_piece *piece, const td_image *image) {
     return box;
 }
 
-/* Widens a box by the strays of the paths, and returns the pieces that they ask for. A point at X/Z that is off by d is off on
- * the screen by at most f d sqrt(1 + (X/Z)^2) / Z, with the least depth of both. */
+/* Widens a box by the strays of the paths, and returns the number of pieces that they ask for. A point at X/Z that is off by d
+ * in the scene is off on the screen by at most f d sqrt(1 + (X/Z)^2) / Z, with the lesser of both depths. */
 TD_INLINE td_lanes td_sweep_widen(const td_piece *piece, const td_image *image, const td_span2 *box, td_lanes *wide,
                                   td_lanes *high) {
     td_lanes x = td_larger(td_size(box->x0 - image->cx), td_size(box->x1 - image->cx)) / image->fx;
@@ -259,8 +260,7 @@ TD_INLINE td_lanes td_sweep_widen(const td_piece *piece, const td_image *image, 
     return td_stray_pieces(piece->stray, &piece->reach, (image->fx > image->fy ? image->fx : image->fy) * tilted, allowed);
 }
 
-/* Depths, opacity and how far off paths are: what of a piece is asked for again. Opacities of the shapes become those of the
- * whole piece. */
+/* Depths, opacity and strays of a piece. The shapes' opacities become the greatest of the piece. */
 TD_INLINE void td_sweep_begin(td_piece *piece, const td_image *image, const td_source *source) {
     td_shape *s = piece->s;
     td_lanes off = td_splat(0.0f);
@@ -269,7 +269,7 @@ TD_INLINE void td_sweep_begin(td_piece *piece, const td_image *image, const td_s
     if (piece->strays) {
         piece->reach = td_sweep_reach(piece->stray, image, source, piece->row);
         off = td_stray_of(piece->stray, piece->level, &piece->reach, td_splat(0.0f));
-        if (!(td_moving(image) && source->moved)) piece->known = off; /* what moves by itself has other reasons too */
+        if (!(td_moving(image) && source->moved)) piece->known = off; /* their middle has other reasons to be off the cubic */
     }
     td_sweep_range(s[0].depth, s[1].depth, s[2].depth, piece->duration, piece->known, &piece->z0, &piece->z1);
     piece->z0 -= off;
@@ -282,7 +282,7 @@ TD_INLINE void td_sweep_begin(td_piece *piece, const td_image *image, const td_s
     piece->off = td_stray_of(piece->stray, piece->level, &piece->reach, td_sqrt(power));
 }
 
-/* Joins a piece's box and what it asks for to those of the pieces before it. */
+/* Joins a piece's box and numbers to those of the pieces before it. */
 TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_source *source, td_swept *swept) {
     const td_shape *s = piece->s;
     td_lanes rx[3], ry[3], pieces = td_splat(1.0f);
@@ -294,7 +294,7 @@ TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_s
         ry[i] = td_select(td_splat(0.0f), ry[i], s[i].visible);
     }
     td_mask ever = s[0].visible | s[1].visible | s[2].visible;
-    td_mask broken = s[0].broken | s[1].broken | s[2].broken; /* seen everywhere, so that it is found */
+    td_mask broken = s[0].broken | s[1].broken | s[2].broken; /* the box is the whole image, so that pixels show the fault */
     td_mask crosses = td_sweep_crosses(piece, image, source, &ever) | broken;
     td_span2 box = td_sweep_mean(piece, image);
     td_lanes wide = td_sweep_width(rx[0], rx[1], rx[2]), high = td_sweep_width(ry[0], ry[1], ry[2]);
@@ -315,12 +315,12 @@ TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_s
     swept->y1 = td_larger(swept->y1, td_select(td_select(-none, box.y1 + high, ever), height, crosses));
 }
 
-/* Time `at` of the interval for TD_LANES Gaussians, `offset` behind the first. */
+/* Projects TD_LANES Gaussians at time `at` of the interval; their rows begin `offset` behind the time's first. */
 TD_INLINE void td_sweep_sample(td_piece *piece, int i, const td_interval *all, const td_image *image, const td_source *source,
                                int which, int at, int offset) {
     piece->row[i] = all->rows[at] + offset;
     piece->view[i] = all->views + at * image->objects + which;
-    if (i > 0 && all->duration == 0) { /* an instant: the same once more */
+    if (i > 0 && all->duration == 0) { /* the interval is an instant: all samples are equal */
         piece->s[i] = piece->s[0];
         return;
     }
@@ -329,7 +329,7 @@ TD_INLINE void td_sweep_sample(td_piece *piece, int i, const td_interval *all, c
     piece->s[i] = td_project_shape(piece->view[i], image, &gaussian, td_count_from(piece->row[i]) >= 0);
 }
 
-/* Pieces that Gaussians that move by themselves ask for: twice as many as the finest level at which one of them is rough. */
+/* Pieces that Gaussians that move by themselves ask for: twice as many as at the finest level at which one of them is rough. */
 TD_INLINE td_lanes td_sweep_rough(td_piece *piece, const td_interval *all, const td_image *image, const td_source *source,
                                   int which, int offset, td_lanes peak) {
     td_lanes pieces = td_splat(1.0f);
@@ -347,7 +347,7 @@ TD_INLINE td_lanes td_sweep_rough(td_piece *piece, const td_interval *all, const
     return pieces;
 }
 
-/* Boxes, empty (x0 > x1) where `nowhere`. */
+/* Stores boxes; empty ones (x0 > x1) where `nowhere`. */
 TD_INLINE void td_store_boxes(const td_image *image, const td_span2 *box, td_mask nowhere, TD_GLOBAL td_real *boxes) {
     td_scatter(boxes, 4, 0, td_select(box->x0, td_splat((td_real)(image->width + 1)), nowhere));
     td_scatter(boxes, 4, 1, td_select(box->y0, td_splat((td_real)(image->height + 1)), nowhere));
@@ -355,7 +355,7 @@ TD_INLINE void td_store_boxes(const td_image *image, const td_span2 *box, td_mas
     td_scatter(boxes, 4, 3, td_select(box->y1, td_splat(-1.0f), nowhere));
 }
 
-/* Boxes of an instant, with nothing between samples: the splats' own. Frames ask for these; they take half of the time. */
+/* Boxes of an instant, whose samples are equal: the splats' own. Frames need these only, and they take half of the time. */
 TD_INLINE void td_sweep_instant(const td_interval *all, const td_image *image, const td_source *source, int which, int offset,
                                 TD_GLOBAL td_real *boxes, TD_GLOBAL td_real *travel) {
     td_index row = td_count_from(all->rows[0] + offset);
@@ -373,8 +373,8 @@ TD_INLINE void td_sweep_instant(const td_interval *all, const td_image *image, c
     td_store_lanes(travel, none);
 }
 
-/* Box [x0, y0, x1, y1] of TD_LANES Gaussians of an object, at boxes + 4 i; empty (x0 > x1) where never visible. They are in
- * neighbouring rows, `offset` behind each time's first. travel[i]: see unseen.h. */
+/* Boxes [x0, y0, x1, y1] of TD_LANES Gaussians of an object, at boxes + 4 i; empty (x0 > x1) where never visible. Their rows
+ * are neighbours, `offset` behind each time's first. travel[i]: twice the number of pieces that the Gaussian asks for. */
 TD_INLINE void td_sweep_group(const td_interval *all, const td_image *image, const td_source *sources, int offset,
                               TD_GLOBAL td_real *boxes, TD_GLOBAL td_real *travel) {
     td_source own = td_source_of(sources, image, all->rows[0] + offset);

@@ -1,10 +1,10 @@
-/* Turns vectors over something else (channels) into vectors over Gaussians, and back. */
+/* Transposes TD_LANES vectors: from vectors over channels to vectors over Gaussians, and back. */
 #ifndef TD_TRANSPOSE_H
 #define TD_TRANSPOSE_H
 
 #include "numerics.h"
 
-/* The lanes of an index, one by one. */
+/* Writes the lanes of an index to an array. */
 TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
 #if TD_LANES == 16
     vstore16(td_narrow(index), 0, lane);
@@ -17,10 +17,9 @@ TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
 #endif
 }
 
-/* Shuffles for which processors have single instructions, within 128 bits (pairs of LOWER and UPPER) and of whole 128 bits
- * (EVEN, ODD); reals are floats where there are sixteen, else doubles. LLVM keeps to these instructions where they are written
- * in this order. From a network that interleaved row i with row i + TD_LANES / 2 it made 900 instructions for 16 rows instead
- * of 150. */
+/* Shuffles that are single instructions of processors: within 128 bits (pairs of LOWER and UPPER), and of whole 128 bits (EVEN,
+ * ODD). Reals are floats with sixteen lanes, else doubles. LLVM keeps these instructions where they are written in this order.
+ * From a network that interleaved row i with row i + TD_LANES / 2 it made 900 instructions for 16 rows instead of 150. */
 #if TD_LANES == 16
 #define TD_TURN_LOWER(a, b) \
     (td_lanes)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5, a.s8, b.s8, a.s9, b.s9, a.sc, b.sc, a.sd, b.sd)
@@ -44,7 +43,8 @@ TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
 #define TD_ODD(a, b) (td_lanes)(a.zw, b.zw)
 #endif
 
-/* The rounds, of rows i and their neighbours. Written out, since what a loop goes through stays in memory (layout.h). */
+/* Rounds of shuffles between rows i and their neighbours. Written out: PoCL keeps an array that a loop goes through in
+ * memory. */
 #define TD_TURN_2(to, from, i) (to[i] = TD_TURN_LOWER(from[i], from[i + 1]), to[i + 1] = TD_TURN_UPPER(from[i], from[i + 1]))
 #define TD_TURN_4(to, from, i) (TD_TURN_2(to, from, i), TD_TURN_2(to, from, i + 2))
 #define TD_TURN_PAIRS(to, from, i)                                                                   \
@@ -85,7 +85,7 @@ TD_INLINE void td_transpose(td_lanes row[TD_LANES]) {
 
 enum { TD_ROW = 16 };
 
-/* A statement for each lane, and the letter that OpenCL has for it. */
+/* Calls at(lane, letter) for each lane; the letter is OpenCL's name of the lane. */
 #if TD_LANES == 16
 #define TD_EACH_LANE(at)                                                                                                    \
     at(0, 0) at(1, 1) at(2, 2) at(3, 3) at(4, 4) at(5, 5) at(6, 6) at(7, 7) at(8, 8) at(9, 9) at(10, a) at(11, b) at(12, c) \
@@ -98,7 +98,7 @@ enum { TD_ROW = 16 };
 #define TD_EACH_LANE(at)
 #endif
 
-/* TD_LANES entries of TD_LANES rows, which begin at `index` (numbers of reals) of each lane, turned over; and back. */
+/* Loads TD_LANES reals at each lane's `index`, transposed: entry k has the k-th of each. td_store_square is the inverse. */
 TD_INLINE void td_load_square(TD_GLOBAL const td_real *from, td_index index, td_lanes entry[TD_LANES]) {
 #if TD_LANES == 1
     entry[0] = from[index];
@@ -108,7 +108,7 @@ TD_INLINE void td_load_square(TD_GLOBAL const td_real *from, td_index index, td_
     td_transpose(entry);
 #endif
 }
-/* NOLINTNEXTLINE(readability-non-const-parameter): as above */
+/* NOLINTNEXTLINE(readability-non-const-parameter): single lanes, which the host compiles, have nothing to turn */
 TD_INLINE void td_store_square(TD_GLOBAL td_real *to, td_index index, td_lanes entry[TD_LANES]) {
 #if TD_LANES == 1
     to[index] = entry[0];
@@ -119,7 +119,7 @@ TD_INLINE void td_store_square(TD_GLOBAL td_real *to, td_index index, td_lanes e
 #endif
 }
 
-/* A statement for each number of a row, and for each of its squares. */
+/* Calls at(k) for each number of a row, and for the first number of each square. */
 #define TD_EACH_4(at, k) at(k) at((k) + 1) at((k) + 2) at((k) + 3)
 #define TD_EACH_NUMBER(at) TD_EACH_4(at, 0) TD_EACH_4(at, 4) TD_EACH_4(at, 8) TD_EACH_4(at, 12)
 #if TD_LANES == 16
@@ -137,24 +137,25 @@ TD_INLINE void td_zero_row(td_lanes entry[TD_ROW]) {
     TD_EACH_NUMBER(TD_ZERO)
 }
 
-/* TD_ROW numbers from `index` of each lane on. (Of gathers LLVM makes the hardware's: on Zen 4 a third of a projection.) */
+/* Loads TD_ROW reals from each lane's `index`. Not as gathers: LLVM makes hardware gathers, which took a third of a projection
+ * on Zen 4. */
 TD_INLINE void td_load_row(TD_GLOBAL const td_real *from, td_index index, td_lanes entry[TD_ROW]) {
 #define TD_LOAD_PART(k) td_load_square(from + (k), index, entry + (k));
     TD_EACH_SQUARE(TD_LOAD_PART)
 }
 
-/* Rows `row` of each lane, anywhere: entry k of each. */
+/* Loads row `row` of each lane: entry k has number k of each. */
 TD_INLINE void td_load_rows(TD_GLOBAL const td_real *rows, td_index row, td_lanes entry[TD_ROW]) {
     td_load_row(rows, row * TD_ROW, entry);
 }
 
-/* The other way; leaves `entry` in disorder. */
+/* Stores rows; `entry` is overwritten. */
 TD_INLINE void td_store_rows(TD_GLOBAL td_real *rows, td_index row, td_lanes entry[TD_ROW]) {
 #define TD_STORE_PART(k) td_store_square(rows + (k), row * TD_ROW, entry + (k));
     TD_EACH_SQUARE(TD_STORE_PART)
 }
 
-/* To neighbouring rows. */
+/* Stores TD_LANES neighbouring rows. */
 TD_INLINE void td_store_records(TD_GLOBAL td_real *records, td_lanes entry[TD_ROW]) {
     td_store_rows(records, td_count_from(0), entry);
 }

@@ -1,5 +1,5 @@
-/* Ground truth (truth.h), after the projection and the sort of a batch: surfaces of its candidates, tile jobs by turns;
- * then planes, a work-item per TD_LANES pixels of a block as in composite.cl. */
+/* Ground truth, after the projection and the sort of a batch. One kernel makes surfaces of candidates, taking tile jobs in
+ * turn. The other makes planes, with a work-item per TD_LANES pixels of a block. */
 #include "truth.h"
 #include "job_turns.h"
 
@@ -47,7 +47,7 @@ __kernel void td_truth_jobs(__constant const td_image *image_buffer, __global co
                             int asked_count) {
     int item = (int)get_global_id(0), place = item / (TD_BLOCK_PIXELS / TD_LANES);
     int first = item % (TD_BLOCK_PIXELS / TD_LANES) * TD_LANES;
-    if (place >= asked_count) return; /* groups are whole */
+    if (place >= asked_count) return; /* the last work-group may go beyond the end */
     int job_index = asked[place] >> 4;
     const td_job job = jobs[job_index];
     td_list list;

@@ -1,14 +1,14 @@
-/* Ground truth of what is seen: optical flow, depth, normal and object at pixels, beside the image and with its weights.
+/* Ground truth of what is seen: optical flow, depth, normal and object of each pixel, with the image's blend weights.
  *
- * A splat covers pixels that show different parts of it. Its Gaussian is c + F xi in the camera's coordinates, xi standard
- * normal, and p = c + F xi is the same material point at all times, so that p_dot = c_dot + F_dot xi. Of all its points on the
- * ray of a pixel, (x/z, y/z) = (rx, ry), that is two equations B xi = e with the rows
- *   b0 = F0 - rx F2,  b1 = F1 - ry F2,   e = (rx c2 - c0, ry c2 - c1),
- * the pixel shows the densest one, the least xi: with n = b0 x b1
+ * A splat covers pixels that show different parts of it. Its Gaussian is c + F xi in camera coordinates, xi standard normal.
+ * p = c + F xi is the same material point at all times, so that p_dot = c_dot + F_dot xi. Points on a pixel's ray, (x/z,
+ * y/z) = (rx, ry), satisfy two equations B xi = e with the rows
+ *   b0 = F0 - rx F2,  b1 = F1 - ry F2,   e = (rx c2 - c0, ry c2 - c1).
+ * Of these the pixel shows the densest, which has the least |xi|: with n = b0 x b1
  *   xi = (e0 (b1 x n) - e1 (b0 x n)) / |n|^2.
- * That is exact in perspective, which the splat's weight isn't: a plane of flat splats has the depth and the flow of a plane at
- * every pixel, to rounding. A point's normal is that of the level of density that the ray touches there, K (rx, ry, 1) with
- * K = adj(F F^T): a flat splat's own, and of a ball the way back to the eye. */
+ * That is exact in perspective (the splat's weight isn't): a plane of flat splats has a plane's depth and flow at every pixel,
+ * to rounding. A point's normal is that of the level surface of density which the ray touches there, K (rx, ry, 1) with
+ * K = adj(F F^T). For a flat splat it is the splat's normal, for a ball the direction to the eye. */
 #ifndef TD_TRUTH_H
 #define TD_TRUTH_H
 
@@ -16,26 +16,26 @@
 #include "projection.h"
 #include "transpose.h"
 
-/* A splat's surface: two records of 16 reals, places and rates. F and its rate are times `scale`, a power of two that makes F's
- * largest entry 1 to 2: products of four of them stay in single precision. */
+/* A splat's surface: two records of 16 reals, places and rates. F and its rate are multiplied by `scale`, a power of two that
+ * makes F's largest entry 1 to 2, so that products of four entries stay in single precision. */
 enum {
-    TD_S_C = 0, /* 3: the centre in camera coordinates */
+    TD_S_C = 0, /* 3: the centre in camera coordinates [scene units] */
     TD_S_F = 3, /* 9: its factor there, row by row */
     TD_S_OBJECT = 12,
-    TD_S_K = 13, /* K: xx, xy, xz here; yy, yz, zz at TD_S_K_REST of the rates */
+    TD_S_K = 13, /* K: xx, xy, xz here; yy, yz, zz at TD_S_K_REST of the rates' record */
     TD_S_K_REST = 12,
-    TD_S_SCALE = 15 /* of the rates */
+    TD_S_SCALE = 15 /* in the rates' record */
 };
 
-enum { TD_TRUTH_OBJECTS = 8 }; /* whose weights are summed in one pass over the splats */
+enum { TD_TRUTH_OBJECTS = 8 }; /* objects whose weights are summed in one pass over the splats */
 
-/* Most by which a splat seen at d^T Q d, Q of the dilated splat, is farther out in its Gaussian, in squares. That holds but for
- * splats thinner than 0.3 px, which the dilation shows where they are not: a disc that is seen from its edge would reach to the
- * horizon. MIDDLE is a little more, for rounding of 0 in single precision. */
+/* A splat seen at d^T Q d, with Q of the dilated splat, is at most this factor farther out in its Gaussian, in squares. This
+ * fails only for splats thinner than 0.3 px, which dilation shows where they are not: a disc seen from its edge would reach to
+ * the horizon. MIDDLE is added for rounding of 0 in single precision. */
 #define TD_TRUTH_REACH TD_REAL(4.0)
 #define TD_TRUTH_MIDDLE TD_REAL(1e-3)
 
-/* The transmittance below which nothing behind changes a digit of the result. */
+/* The transmittance below which splats behind change no digit of the result. */
 #ifdef TD_REAL_DOUBLE
 #define TD_TRUTH_FAINT 1e-16
 #else
@@ -62,7 +62,7 @@ TD_INLINE void td_camera_factor(TD_GLOBAL const td_view *view, const td_source *
         }
 }
 
-/* The power of two that F is multiplied by; 1 for a Gaussian without extent. */
+/* The power of two by which F is multiplied; 1 for a Gaussian without extent. */
 TD_INLINE td_lanes td_surface_scale(const td_dual f[9]) {
     td_lanes largest = td_splat(0.0f);
     for (int i = 0; i < 9; i++) largest = td_larger(largest, td_size(f[i].v));
@@ -83,7 +83,7 @@ TD_INLINE void td_surface_normals(const td_dual f[9], td_lanes k[6]) {
     }
 }
 
-/* Surfaces of TD_LANES candidates; `broken` (td_shape) ones aren't numbers. */
+/* Stores surfaces of TD_LANES candidates. `broken` ones, whose projection isn't finite, are NaN. */
 TD_INLINE void td_store_surfaces(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                  td_index gaussian, td_mask broken, int object, const td_surfaces *to) {
     td_index index = td_not_below_0(gaussian) * TD_GEOMETRY_STRIDE;
@@ -110,14 +110,14 @@ TD_INLINE void td_store_surfaces(TD_GLOBAL const td_view *view, const td_image *
     td_store_records(to->rates, rate);
 }
 
-/* Stores surfaces of candidates [first, first + TD_LANES) of a job whose records are made. `numbers`: the number in the scene
- * of each object of the store. */
+/* Stores surfaces of candidates [first, first + TD_LANES) of a job whose records are made. `numbers`: for each object of the
+ * store, its number in the scene. */
 TD_INLINE void td_surface_group(const td_job *job, int first, TD_GLOBAL const int *candidates, TD_GLOBAL const int *object,
                                 TD_GLOBAL const int *numbers, TD_GLOBAL const td_view *views, const td_image *image,
                                 const td_source *source, TD_GLOBAL const td_real *records, TD_GLOBAL const int *masks,
                                 const td_surfaces *all) {
     int at = job->records + first, leader = candidates[job->candidates + (first & ~(TD_PAD - 1))];
-    if (!td_any((td_load_ints(masks + at) & job->blocks) != 0)) return; /* nothing of it is asked for */
+    if (!td_any((td_load_ints(masks + at) & job->blocks) != 0)) return; /* no block that is asked for has any of these */
     td_source own = td_source_of(source, image, leader);
     int number = object[td_owner_of(&own, leader)];
     td_index lanes = td_count_from(0) * TD_RECORD_STRIDE;
@@ -129,23 +129,23 @@ TD_INLINE void td_surface_group(const td_job *job, int first, TD_GLOBAL const in
 
 /* -- at pixels ----------------------------------------------------------------------------------------------------- */
 
-/* The point of a splat that each pixel shows: flow [px/s], depth, normal. Or sums of these. */
+/* The point of a splat that each pixel shows: flow [px/s], depth, normal; or weighted sums of these. */
 typedef struct td_seen {
     td_lanes u, v, z, nx, ny, nz;
     td_lanes weight;
 } td_seen;
 
-/* TD_LANES pixels on their way down the list. */
+/* TD_LANES pixels, composited as far as one place of the list. */
 typedef struct td_truth {
-    td_lanes x, y, rx, ry;          /* pixel centres [px]; x/z and y/z of what they show */
-    td_lanes xx, xy, yx, yy;        /* a lens' Dd there; unused without one */
+    td_lanes x, y, rx, ry;          /* pixel centres [px]; x/z and y/z of their rays */
+    td_lanes xx, xy, yx, yy;        /* Dd of a lens at the rays; unused without one */
     td_lanes transmittance, behind; /* T, and what it would be in hard order */
     td_seen sums;
-    td_lanes median, splat; /* depth of the first that took T below a half, and its place in the job; 0 and -1 before */
+    td_lanes median, splat; /* depth of the first splat that took T below a half, and its place in the job; 0 and -1 before */
     td_mask live;
 } td_truth;
 
-/* Sums of each of TD_TRUTH_OBJECTS objects from number `first` on; `density`: of what takes out light now. */
+/* Weights of each of `count` objects from number `first` on; `density`: those of splats that take out light now. */
 typedef struct td_objects {
     int first, count;
     td_lanes *weight, *density;
@@ -166,26 +166,26 @@ TD_INLINE void td_seen_point(TD_GLOBAL const td_real *place, td_real scale, td_l
     td_lanes n0 = td_fma(p1, q2, -(p2 * q1)), n1 = td_fma(p2, q0, -(p0 * q2)), n2 = td_fma(p0, q1, -(p1 * q0));
     td_lanes size = td_fma(n0, n0, td_fma(n1, n1, n2 * n2));
     td_lanes s0 = td_fma(e0, q0, -(e1 * p0)), s1 = td_fma(e0, q1, -(e1 * p1)), s2 = td_fma(e0, q2, -(e1 * p2));
-    td_mask edge = size < TD_REAL(1e-30); /* of a needle's tip or a disc's edge there's no telling */
+    td_mask edge = size < TD_REAL(1e-30); /* at a needle's tip or a disc's edge xi isn't defined */
     td_lanes inverse = td_select(1 / td_select(size, td_splat(1.0f), edge), td_splat(0.0f), edge);
     xi[0] = td_fma(s1, n2, -(s2 * n1)) * inverse;
     xi[1] = td_fma(s2, n0, -(s0 * n2)) * inverse;
     xi[2] = td_fma(s0, n1, -(s1 * n0)) * inverse;
     td_lanes way = td_fma(xi[0], xi[0], td_fma(xi[1], xi[1], xi[2] * xi[2])) * (scale * scale);
     td_mask far = way > reach;
-    if (!td_any(far)) return; /* nearly always, and roots and quotients are dear */
+    if (!td_any(far)) return; /* nearly always: roots and divisions take long */
     td_lanes back = td_select(td_splat(1.0f), td_sqrt(reach / td_select(td_splat(1.0f), way, far)), far);
     for (int j = 0; j < 3; j++) xi[j] = xi[j] * back;
 }
 
-/* A pinhole's flow through the lens: K Dd K^-1. */
+/* A pinhole's flow carried through the lens: K Dd K^-1. */
 TD_INLINE void td_seen_through(const td_image *image, const td_truth *pixels, td_seen *seen) {
     td_lanes x = seen->u / image->fx, y = seen->v / image->fy;
     seen->u = td_fma(pixels->xx, x, pixels->xy * y) * image->fx;
     seen->v = td_fma(pixels->yx, x, pixels->yy * y) * image->fy;
 }
 
-/* A splat's point at the pixels; |xi|^2 is at most `reach`. */
+/* The point of a splat that each pixel shows; |xi|^2 is at most `reach`. */
 TD_INLINE td_seen td_seen_at(TD_GLOBAL const td_real *place, TD_GLOBAL const td_real *rate, td_lanes reach,
                              const td_image *image, const td_truth *pixels) {
     TD_GLOBAL const td_real *f_dot = rate + TD_S_F, *k = place + TD_S_K, *rest = rate + TD_S_K_REST;
@@ -212,7 +212,7 @@ TD_INLINE td_seen td_seen_at(TD_GLOBAL const td_real *place, TD_GLOBAL const td_
     return seen;
 }
 
-/* to + w from */
+/* to += w from */
 TD_INLINE void td_seen_add(td_seen *to, td_lanes w, const td_seen *from) {
     to->u = td_fma(w, from->u, to->u), to->v = td_fma(w, from->v, to->v), to->z = td_fma(w, from->z, to->z);
     to->nx = td_fma(w, from->nx, to->nx), to->ny = td_fma(w, from->ny, to->ny), to->nz = td_fma(w, from->nz, to->nz);
@@ -231,7 +231,7 @@ TD_INLINE td_seen td_seen_nothing(void) {
 
 /* -- blending: the image's own weights, without their rates -------------------------------------------------------- */
 
-/* tau, 0 where the pixel doesn't blend this splat (td_visible_alpha). Nothing stops by what it could change in L. */
+/* tau, 0 where the pixel doesn't blend this splat. The stop rule BOUND isn't applied here. */
 TD_INLINE td_lanes td_truth_alpha(TD_GLOBAL const td_real *record, const td_image *image, td_truth *pixels, td_lanes *reach) {
     td_lanes dx = pixels->x - record[TD_R_U], dy = pixels->y - record[TD_R_V], tau, unused;
     td_lanes power = td_fma(record[TD_R_QYY] * dy, dy, record[TD_R_LOG2_OPACITY]);
@@ -251,15 +251,15 @@ TD_INLINE td_lanes td_truth_alpha(TD_GLOBAL const td_real *record, const td_imag
     return tau;
 }
 
-/* The median is found by hard order: of coplanar splats, which take out light together, the last one may not be at the
- * pixel. */
+/* Finds the splat with the median depth, in hard order. In soft order coplanar splats take light together, and the last of them
+ * may not be at the pixel. */
 TD_INLINE void td_truth_pass(const td_seen *seen, td_real place, td_lanes before, td_truth *pixels) {
     td_mask crossed = (before >= 0.5f) & (pixels->behind < 0.5f);
     pixels->median = td_select(pixels->median, seen->z, crossed);
     pixels->splat = td_select(pixels->splat, td_splat(place), crossed);
 }
 
-/* One step of soft_order.h: T falls, and what takes out light now is shown W times. */
+/* Soft order: light passes one step. T falls, and the splats that take light now are added with the weight W. */
 TD_INLINE void td_truth_go(td_real m, td_real left, td_seen *open, const td_objects *objects, td_truth *pixels) {
     td_lanes t = pixels->transmittance, after = t * td_exp2(open->weight * (-m * TD_REAL(1.44269504088896340736)));
     td_lanes w = (t - after) / (open->weight + TD_REAL(1e-20));
@@ -272,7 +272,7 @@ TD_INLINE void td_truth_go(td_real m, td_real left, td_seen *open, const td_obje
     pixels->transmittance = after;
 }
 
-/* A splat's own weight in hard order. */
+/* Blends a splat in hard order. */
 TD_INLINE void td_truth_blend(const td_seen *seen, td_lanes tau, int object, const td_objects *objects, td_truth *pixels) {
     td_lanes w = pixels->transmittance * tau;
     td_seen_add(&pixels->sums, w, seen);
@@ -280,7 +280,8 @@ TD_INLINE void td_truth_blend(const td_seen *seen, td_lanes tau, int object, con
     pixels->transmittance = pixels->transmittance - w;
 }
 
-/* A splat that some of the pixels see, `near` or behind one that is near: it begins to take out light, else it takes it. */
+/* Blends a splat that some pixels see. In soft order (`soft`) it begins to take light; otherwise it takes all its light at
+ * once. */
 TD_INLINE void td_truth_splat(const td_surfaces *surfaces, const td_image *image, int place, td_lanes tau, td_lanes before,
                               td_lanes reach, int soft, td_seen *open, const td_objects *objects, td_truth *pixels) {
     TD_GLOBAL const td_real *at = surfaces->places + place * TD_RECORD_STRIDE;
@@ -297,7 +298,7 @@ TD_INLINE void td_truth_splat(const td_surfaces *surfaces, const td_image *image
     if (object >= 0 && object < objects->count) objects->density[object] = objects->density[object] + a;
 }
 
-/* The splats of a block, front to back; returns how many. */
+/* Composites the splats of a block, front to back, and returns their number. */
 TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, const td_image *image, int block,
                             const td_objects *objects, td_truth *pixels) {
     int blended = 0, is_open = 0;
@@ -309,7 +310,7 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
     for (td_next_group(list, image, block, &finder, &group); group.count > 0;
          td_next_group(list, image, block, &finder, &group)) {
         if (td_soft_order(image)) td_soft_measure(list, image, &group, &steps);
-        for (int k = 0; k < group.count; k++) { /* a third of the time was waiting for them */
+        for (int k = 0; k < group.count; k++) { /* prefetched: waiting for them took a third of the time */
             td_soon(surfaces->places + group.row[k] * TD_RECORD_STRIDE);
             td_soon(surfaces->rates + group.row[k] * TD_RECORD_STRIDE);
         }
@@ -320,7 +321,7 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
             int soft = near || is_open;
             td_lanes before = pixels->behind, reach;
             td_lanes tau = td_truth_alpha(td_list_record(list, group.row[k]), image, pixels, &reach);
-            if (td_any(tau != 0.0f)) /* else it's as good as not there */
+            if (td_any(tau != 0.0f)) /* no pixel sees it otherwise */
                 td_truth_splat(surfaces, image, group.row[k], tau, before, reach, soft, &open, objects, pixels);
             if (soft && m != 0) td_truth_go(m, left, &open, objects, pixels);
             is_open = near;
@@ -349,10 +350,10 @@ TD_INLINE void td_truth_start(td_truth *pixels, td_lanes x, td_lanes y, const td
     pixels->live = x == x;
 }
 
-/* Means of the sums, and what there's one of, to planes TD_BLOCK_PIXELS apart. */
+/* Stores weighted means, and the values that one splat has, in planes TD_BLOCK_PIXELS apart. */
 TD_INLINE void td_truth_store(const td_truth *pixels, td_lanes instance, TD_GLOBAL td_real *out) {
     const td_seen *sums = &pixels->sums;
-    td_mask some = (sums->weight > 0.0f) | td_is_broken(sums->z); /* what isn't a number stays none */
+    td_mask some = (sums->weight > 0.0f) | td_is_broken(sums->z); /* where z isn't finite the mean is NaN */
     td_lanes none = td_splat(0.0f), inverse = 1 / td_select(td_splat(1.0f), sums->weight, some);
     td_lanes size = td_fma(sums->nx, sums->nx, td_fma(sums->ny, sums->ny, sums->nz * sums->nz));
     td_mask turned = size > 0.0f;
@@ -369,8 +370,8 @@ TD_INLINE void td_truth_store(const td_truth *pixels, td_lanes instance, TD_GLOB
     td_store_lanes(out + TD_TRUTH_SPLAT * TD_BLOCK_PIXELS, pixels->splat);
 }
 
-/* Pixels [first, first + TD_LANES) of block `block` of a job, as td_composite_block; `objects`: of the scene. The splats are
- * gone through once for every TD_TRUTH_OBJECTS objects, and one object alone needs no sums. */
+/* Composites pixels [first, first + TD_LANES) of block `block` of a job. `objects`: number of objects in the scene. There is
+ * one pass over the splats for every TD_TRUTH_OBJECTS objects; a single object needs no sums. */
 TD_INLINE int td_truth_block(const td_job *job, const td_list *list, const td_surfaces *surfaces, const td_image *image,
                              int objects, int block, int first, TD_GLOBAL td_real *out) {
     td_lanes weight[TD_TRUTH_OBJECTS], density[TD_TRUTH_OBJECTS], x, y, best = td_splat(0.0f), instance = td_splat(-1.0f);

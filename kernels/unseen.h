@@ -1,54 +1,54 @@
-/* Into how many pieces an interval is to be cut lest a splat does something between samples that none of them shows.
+/* Into how many pieces an interval must be cut, so that samples show all that a splat does in it.
  *
- * Everything is counted in `travel`, in diameters: the step controller halves steps until a splat travels less than half of one
- * in each, so n pieces are asked for by a travel of n / 2. Motion that is smooth within the interval asks for no pieces: the
- * controller's own samples show it. Pieces are asked for by
- *   - a mean that passes a pixel, by its way in the splat's diameters;
- *   - an ellipse that turns or grows, by the way of its edge: half of what the variance along some direction changes by,
- *     relatively; for a needle of half-axes r1 > r2 that turns by phi, phi r1 / (2 r2);
- *   - an object's path that isn't the cubic through its ends (stray.h), until it is to a hundredth of a pixel;
- *   - for Gaussians that move by themselves, where their model says that an interval holds more than three samples show: place,
- *     shape, opacity or colour that aren't the cubics through coarser samples' values and rates;
- *   - a splat that comes out from behind the near plane and is gone again at both ends. */
+ * The number is given as `travel`, in diameters. The step controller halves steps until a splat travels less than half a
+ * diameter in each, so that n pieces are asked for by a travel of n / 2. Motion that is smooth within the interval asks for no
+ * pieces, because the controller's own samples show it. Pieces are asked for by
+ *   - a mean that passes a pixel: its way in the splat's diameters;
+ *   - an ellipse that turns or grows: the way of its edge. That is half the relative change of the variance along some
+ *     direction; for a needle of half-axes r1 > r2 that turns by phi, phi r1 / (2 r2);
+ *   - an object's path that isn't the cubic through its ends, until it is to a hundredth of a pixel;
+ *   - Gaussians that move by themselves, where their model changes more than three samples of an interval show: place, shape,
+ *     opacity or colour aren't the cubics through coarser samples' values and rates;
+ *   - a splat that appears from behind the near plane and is gone at both ends. */
 #ifndef TD_UNSEEN_H
 #define TD_UNSEEN_H
 
 #include "extent.h"
 #include "stray.h"
 
-/* Allowed error of a place [px]. The steepest edge, of splats half a pixel wide (smooth's dilation makes them 0.55 px), turns
- * it into one or two hundredths in S, a tenth of a threshold; for wider splats it may be as many times more. On the scenes of
- * `bench accuracy` this asks for no step. SHARE is the allowed relative error of shape, opacity and colour: the samples need
- * only show that there is a change, which the controller then resolves. */
+/* Allowed error of a place [px]. The steepest edges, of splats half a pixel wide (dilation under image.rules smooth makes them
+ * 0.55 px), turn it into one or two hundredths in S: a tenth of a threshold. For wider splats it may be larger in proportion.
+ * On the scenes of `bench accuracy` it asks for no step. SHARE is the allowed relative error of shape, opacity and colour:
+ * samples need only show that they change, and the controller then resolves the change. */
 #define TD_UNSEEN_PLACE TD_REAL(0.01)
 #define TD_UNSEEN_SHARE TD_REAL(0.02)
-/* Opacities below smooth's cut, 0.2/255, show nothing even before black. */
+/* Opacities below this (0.2/255, the cut of image.rules smooth) are invisible even before black. */
 #define TD_UNSEEN_OPACITY TD_REAL(8e-4)
 
-/* Length of a move of the mean in units of the splat's diameter along it, out to where it is cut off. */
+/* Length of a move of the mean, in the splat's diameters along it; the diameter ends where the splat is cut off. */
 TD_INLINE td_lanes td_move(const td_shape *shape, td_lanes dx, td_lanes dy) {
     td_lanes q = dx * td_fma(shape->conic[0].v, dx, 2.0f * shape->conic[1].v * dy) + shape->conic[2].v * dy * dy;
     td_lanes radius2 = td_select(td_splat(1.0f), shape->power, shape->power > 0.0f);
     return 0.5f * td_sqrt(td_larger(q, td_splat(0.0f)) / radius2);
 }
 
-/* How many of its own diameters each splat travels in the interval: what passes a pixel between two samples unseen. */
+/* How many of its own diameters each splat travels in the interval: a splat may pass a pixel unseen between two samples. */
 TD_INLINE td_lanes td_travel(const td_shape s[3], td_mask ever) {
     td_lanes first = td_move(&s[1], s[1].u.v - s[0].u.v, s[1].v.v - s[0].v.v);
     td_lanes second = td_move(&s[1], s[2].u.v - s[1].u.v, s[2].v.v - s[1].v.v);
     return td_select(td_splat(0.0f), first + second, ever & s[1].visible);
 }
 
-/* A power of two of the order of the inverse variance: variances times it, and conics over it, are numbers whose products
- * single precision holds, however wide the splat is (up to 2^120 px^2: td_shrink_wide), and nothing is rounded. Without it the
- * products below overflowed from 1e9 px on, and each tile was cut down to min_step_s: 24 508 renders for 39. */
+/* A power of two near the inverse variance. Scaled by it, variances and conics of splats up to 2^120 px^2 have products in
+ * single precision, and nothing is rounded. Without it the products below overflowed from 1e9 px on, and each tile was cut down
+ * to min_step_s: 24 508 renders instead of 39. */
 TD_INLINE td_lanes td_inverse_scale(const td_shape *s) {
     return td_inverse_power(td_clamp(td_larger(s->a.v, s->c.v), TD_REAL(1.0), TD_REAL(1.329227995784916e36))); /* 2^120 */
 }
 
-/* The part of an ellipse's long half-axis that pixels may see, from its middle to the sensor's farthest corner: at most 1. The
- * way of the edge of what turns goes with it. By their whole length needles of thousands of pixels asked for steps down to
- * min_step_s: 24 508 renders where 474 are enough (bench stability, singular-conics-1e3). */
+/* The part of an ellipse's long half-axis that pixels may see, from its middle to the sensor's farthest corner, at most 1. The
+ * way of a turning ellipse's edge is multiplied by it. By their whole length, needles of thousands of pixels asked for steps
+ * down to min_step_s: 24 508 renders where 474 are enough (bench stability, singular-conics-1e3). */
 TD_INLINE td_lanes td_seen_part(const td_shape *s, const td_image *image) {
     td_lanes dx = td_larger(td_size(s->u.v), td_size(td_splat((td_real)image->width) - s->u.v));
     td_lanes dy = td_larger(td_size(s->v.v), td_size(td_splat((td_real)image->height) - s->v.v));
@@ -58,7 +58,7 @@ TD_INLINE td_lanes td_seen_part(const td_shape *s, const td_image *image) {
 }
 
 /* Greatest relative rate of the variance along any direction [1/s]: the spectral radius of V^-1 V_dot. Where a splat is longer
- * than its part that is seen, turning counts by that part, and growth by a half at least. */
+ * than the part that is seen, turning counts by that part, and growth at least by half. */
 TD_INLINE td_lanes td_reshape_rate(const td_shape *s, const td_image *image) {
     td_lanes shrink = td_inverse_scale(s), grow = 1.0f / shrink;
     td_lanes qa = s->conic[0].v * grow, qb = s->conic[1].v * grow, qc = s->conic[2].v * grow;
@@ -68,7 +68,7 @@ TD_INLINE td_lanes td_reshape_rate(const td_shape *s, const td_image *image) {
     return td_size(apart) + td_seen_part(s, image) * td_sqrt(td_larger(td_fma(apart, apart, -det), td_splat(0.0f)));
 }
 
-/* The way of an ellipse's edge, in diameters. */
+/* The way of an ellipse's edge in the interval, in diameters. */
 TD_INLINE td_lanes td_reshape(const td_shape s[3], const td_image *image, td_real duration) {
     td_lanes most = td_splat(0.0f);
     for (int i = 0; i < 3; i++) most = td_larger(most, td_select(td_splat(0.0f), td_reshape_rate(&s[i], image), s[i].visible));
@@ -83,7 +83,7 @@ TD_INLINE td_lanes td_narrowest(const td_shape *s) {
     return td_sqrt(td_larger(middle - gap, td_splat(0.0f)));
 }
 
-/* Pieces that it takes until the object's path is followed, with `per_unit` pixels for a unit of scene. */
+/* Pieces that are needed until an object's path is followed; `per_unit`: pixels per unit of scene. */
 TD_INLINE td_lanes td_stray_pieces(TD_GLOBAL const td_stray *stray, const td_reach *reach, td_lanes per_unit,
                                    td_lanes allowed) {
     td_lanes pieces = td_splat(1.0f);
@@ -104,8 +104,8 @@ TD_INLINE td_lanes td_surplus(td_dual start, td_dual middle, td_dual end, td_rea
     return td_larger(td_size(middle.v - value), 0.25f * duration * td_size(middle.d - rate));
 }
 
-/* td_surplus of all coefficients of colour, in luminance and relative to that of the constant term: with the most that a basis
- * function up to degree 4 reaches, sqrt(9 / (4 pi)). */
+/* td_surplus of all SH coefficients, in luminance and relative to the luminance of the constant term. A basis function up to
+ * degree 4 is at most sqrt(9 / (4 pi)). */
 TD_INLINE td_lanes td_colour_surplus(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                      const int row[3], td_real duration) {
     td_lanes sum = td_splat(0.0f), luminance = td_splat(image->transfer.dark);
@@ -123,8 +123,8 @@ TD_INLINE td_lanes td_colour_surplus(TD_GLOBAL const td_view *view, const td_ima
     return TD_REAL(0.8462843753216345) * image->transfer.steepest * sum / luminance;
 }
 
-/* Whether between these ends something isn't what they imply: the mask of the Gaussians of which it may be seen. `peak`: their
- * greatest opacity of all. */
+/* The mask of the visible Gaussians that change between these ends in a way which the ends don't show. `peak`: their greatest
+ * opacity. */
 TD_INLINE td_mask td_is_rough(const td_shape s[3], TD_GLOBAL const td_view *view, const td_image *image,
                               const td_source *source, const int row[3], td_real duration, td_lanes peak) {
     td_mask in_front = (s[0].depth.v > image->near) & (s[1].depth.v > image->near) & (s[2].depth.v > image->near);

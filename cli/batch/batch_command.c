@@ -1,5 +1,5 @@
-/* A run of a batch that another command makes ("command": "frames"): what it writes is DIR/NAME/OUTPUT, and its command line is
- * what a user would write: the run file, --set for what is set, -o, and the manifest's "options". */
+/* A run of a batch that another command makes ("command": "frames"). Its output is DIR/NAME/OUTPUT. Its command line is what a
+ * user would write: the run file, --set for each setting, -o, and the manifest's "options". */
 #include "batch.h"
 
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Commands that take a run file and make one thing of it, and what a run's folder calls that. */
+/* Commands that take a run file and have one output, and the output's name in a run's folder. */
 static const struct {
     cli_command command;
     const char *output;
@@ -40,7 +40,8 @@ tides_status batch_check_command(const batch *b, const char *name, tides_error *
 static const char *const writes[] = {"--png", "--output", "-o"};
 enum { WRITES = sizeof writes / sizeof writes[0] };
 
-/* Which of them `option` is, or begins with ("--png=x.png"); the file's name where it is in there. */
+/* 1 where `option` is one of these, or begins with one ("--png=x.png"); *file is then the file's name, or NULL where the next
+ * item has it. */
 static int32_t names_output(const char *option, const char **file) {
     *file = NULL;
     for (size_t k = 0; k < WRITES; k++) {
@@ -84,7 +85,7 @@ static tides_status clear(const batch_run *run, const char *name, const char *en
     return status;
 }
 
-/* 1: DIR/NAME/dataset.part has events of a dataset that was stopped, which goes on from those that are its own. */
+/* 1: DIR/NAME/dataset.part has the events of a dataset that was stopped, and they are continued. */
 static int32_t keeps_events(const batch_run *run) {
     char *path = batch_text("%s/%s.part/.events", run->directory, dataset);
     const int32_t kept = run->layouts && path && access(path, R_OK) == 0;
@@ -92,7 +93,7 @@ static int32_t keeps_events(const batch_run *run) {
     return kept;
 }
 
-/* The checkpoint goes before the events that it fits. */
+/* The checkpoint is removed before its events: without them it would be invalid. */
 tides_status batch_clear(const batch_run *run, tides_error *error) {
     static const char *const endings[] = {".checkpoint", ".checkpoint.part", "", ".part", ".part.tail"};
     const int32_t kept = keeps_events(run);
@@ -118,7 +119,7 @@ static int give_arguments(const batch *b, const batch_run *run, const char *outp
     return count;
 }
 
-/* The options, with the files that they name in the run's own folder. 0: out of memory. */
+/* Replaces files that the options name by paths in the run's own folder. 0: out of memory. */
 static int32_t place_options(const batch_run *run, char **placed) {
     int32_t follows = 0;
     for (size_t i = 0; i < run->options; i++) {
@@ -142,7 +143,7 @@ int batch_command(const batch *b, const batch_run *run) {
     const char **arguments = calloc(8 + 2 * run->count + run->options, sizeof *arguments);
     char **options = calloc(run->options + 1, sizeof *options);
     int code;
-    if (output && arguments && options && place_options(run, options)) { /* commands leave them as they are */
+    if (output && arguments && options && place_options(run, options)) { /* commands don't change them */
         const int count = give_arguments(b, run, output, options, arguments);
         code = command->run(command, count, (char **)(uintptr_t)arguments);
     } else {

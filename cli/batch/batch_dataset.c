@@ -1,5 +1,5 @@
-/* A run of a batch that makes a dataset (dataset.layout): DIR/NAME/dataset in place of events.h5, there whole or not at all,
- * and stats.json after it, with what came of it. */
+/* A run of a batch that makes a dataset (dataset.layout): DIR/NAME/dataset in place of events.h5. The dataset appears whole or
+ * not at all; stats.json is written after it. */
 #include "batch.h"
 
 #include <dirent.h>

@@ -1,9 +1,9 @@
-/* Random draws of a batch: "draw": {"count": N, "seed": "S", "set": {KEY: [LOWEST, HIGHEST] or [VALUE, ...]}}, N runs that have
- * for each key a number between two, or one of a list of other values, or {"of": KEY, "times": [LOWEST, HIGHEST]}: the value
- * drawn for another key, times a number between two, so that thresholds go together; and a seed of its own, where none is
- * written: a model trained on many runs would learn a noise that they share.
+/* Random draws of a batch: "draw": {"count": N, "seed": "S", "set": {KEY: [LOWEST, HIGHEST] or [VALUE, ...]}} makes N runs.
+ * Each has for each key a number between two, or one value of a list. {"of": KEY, "times": [LOWEST, HIGHEST]} is the value
+ * drawn for another key, times a number between two, so that thresholds go together. Each run gets a seed of its own, unless
+ * one is given: otherwise a model trained on many runs would learn their common noise.
  *
- * Each value is a function of (seed, number of the run, key): another key, or more runs, leave what there was as it is. */
+ * Each value is a function of (seed, number of the run, key): adding a key, or more runs, changes no other value. */
 #include "batch.h"
 
 #include <inttypes.h>
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The texts' hash, stirred (finaliser of splitmix64: Steele, Lea, Flood 2014). */
+/* A hash of the texts, mixed by the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 static uint64_t random_bits(const char *seed, int index, const char *key) {
     char number[16];
     snprintf(number, sizeof number, "%d", index);
@@ -22,7 +22,7 @@ static uint64_t random_bits(const char *seed, int index, const char *key) {
     return bits ^ bits >> 31;
 }
 
-/* Uniform in [0, 1): 53 of the bits. */
+/* Uniform in [0, 1): 53 bits of the hash. */
 static double uniform(const char *seed, int index, const char *key) {
     return ldexp((double)(random_bits(seed, index, key) >> 11), -53);
 }
@@ -31,7 +31,7 @@ char *batch_draw_seed(const char *seed, int index) {
     return batch_text("seed=\"%" PRIu64 "\"", random_bits(seed, index, "seed"));
 }
 
-/* The row of a key in the run file's table; NULL: no such key, which reading the run will report. */
+/* The row of a key in the table of parameters; NULL: no such key, which reading the run will report. */
 static const tides_param *row_of(const char *key) {
     size_t count;
     const tides_param *rows = tides_params(&count);
@@ -44,7 +44,7 @@ static int32_t is_range(const cJSON *values) {
     return cJSON_GetArraySize(values) == 2 && cJSON_IsNumber(values->child) && cJSON_IsNumber(values->child->next);
 }
 
-/* A number between two; a whole one, both ends among them, for whole keys and for the seed, which is a text of digits. */
+/* A number between two: whole, both ends included, for whole keys and for the seed, which is a text of digits. */
 static cJSON *between(const char *key, const cJSON *range, double u) {
     const tides_param *row = row_of(key);
     const double low = range->child->valuedouble, high = range->child->next->valuedouble;
@@ -71,7 +71,7 @@ static const cJSON *one_of(const cJSON *values, double u) {
     return cJSON_GetArrayItem(values, (int)(u * cJSON_GetArraySize(values)));
 }
 
-/* {"of": KEY, "times": RANGE}: the key, whose own draw is a range; NULL: it is something else. */
+/* The other key of {"of": KEY, "times": RANGE}, which must have a range itself; NULL: `item` has another form. */
 static const cJSON *base_of(const cJSON *from, const cJSON *item) {
     const cJSON *of = cJSON_GetObjectItemCaseSensitive(item, "of");
     const cJSON *base = cJSON_IsString(of) && strcmp(of->valuestring, "seed") != 0

@@ -89,8 +89,7 @@ static tides_status look(batch_run *run, tides_error *error) {
 
 tides_status batch_look(batch *b, tides_error *error) {
     tides_status status = TIDES_OK;
-    for (size_t i = 0; status == TIDES_OK && i < b->count; i++)
-        /* Runs whose inputs can't be read have failed before (batch_prepare). */
+    for (size_t i = 0; status == TIDES_OK && i < b->count; i++) /* others have failed: no inputs */
         if (b->runs[i].state == BATCH_WAITING) status = look(&b->runs[i], error);
     return status;
 }

@@ -7,15 +7,15 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Memory of a run: a process with an OpenCL compiler in it; a scene in the file's form, unpacked, and on the device; state and
- * channels of a pixel. Coarse, and corrected by the first run that ends (batch_pool.c). */
+/* Estimated memory of a run: a process with an OpenCL compiler; a scene in the file's form, unpacked, and on the device; state
+ * and channels of each pixel. It is coarse, and corrected by the first run that ends. */
 #define PROCESS_BYTES 200e6
 #define SCENE_FACTOR 4.0
 #define PIXEL_BYTES 600.0
-/* Where only the path file knows. */
+/* Number of pixels where only the path file has the image's size. */
 #define UNKNOWN_PIXELS (1280.0 * 720.0)
 
-/* Text of the inputs that aren't files: the device, and the command that makes the run. NULL: out of memory. */
+/* A text of the inputs that aren't files: the device, and the run's command. NULL: out of memory. */
 static char *circumstances(const batch *b, const batch_run *run) {
     const char *device = b->common->device ? b->common->device : "";
     char *all = run->command ? batch_text("%s\n%s", device, run->command) : batch_text("%s", device);
@@ -27,7 +27,7 @@ static char *circumstances(const batch *b, const batch_run *run) {
     return all;
 }
 
-/* The run as its sets make it; a drawn one without a seed gets its own. */
+/* Loads the run with its sets; a drawn run without a seed gets its own. */
 static tides_status load(batch_run *run, tides_run **loaded, tides_error *error) {
     tides_run *plain = NULL;
     tides_status status = tides_run_load(run->file, (const char *const *)run->sets, run->count, &plain, error);
@@ -41,7 +41,7 @@ static tides_status load(batch_run *run, tides_run **loaded, tides_error *error)
     return tides_run_load(run->file, (const char *const *)run->sets, run->count, loaded, error);
 }
 
-/* Refuses a run that reads what its batch writes: its own folder, which is cleared, and the summaries. */
+/* Refuses a run that reads files which its batch writes: its own folder, which is cleared, and the summaries. */
 static tides_status check_apart(const batch *b, const batch_run *run, const tides_run *loaded, tides_error *error) {
     const char *const names[] = {"summary.json", "summary.csv"}, *const folder = run->directory;
     tides_status status = TIDES_OK;
@@ -64,7 +64,7 @@ static tides_status check_apart(const batch *b, const batch_run *run, const tide
     return status;
 }
 
-/* A run that the reader refuses is the manifest's fault, and an error; a file that isn't there is this run's alone. */
+/* A run that the reader refuses is an error of the manifest. A missing input file is a failure of this run alone. */
 static tides_status prepare(const batch *b, tides_fingerprints *prints, batch_run *run, tides_error *error) {
     tides_run *loaded = NULL;
     tides_run_values v;
@@ -89,7 +89,7 @@ static tides_status prepare(const batch *b, tides_fingerprints *prints, batch_ru
         status = tides_fingerprints_run(prints, loaded, with, &print, &reason);
     free(with);
     const double pixels = (double)v.intrinsics.width * v.intrinsics.height;
-    const double held = (double)(v.frames_file ? print.largest : print.bytes); /* frames are read one by one */
+    const double held = (double)(v.frames_file ? print.largest : print.bytes); /* frames are read one at a time */
     run->estimate = PROCESS_BYTES + SCENE_FACTOR * held + PIXEL_BYTES * (pixels > 0 ? pixels : UNKNOWN_PIXELS);
     snprintf(run->hash, sizeof run->hash, "%016" PRIx64, print.hash);
     const int32_t is_dataset = v.dataset_layout && !run->command;
@@ -98,7 +98,7 @@ static tides_status prepare(const batch *b, tides_fingerprints *prints, batch_ru
     tides_run_destroy(loaded);
     if (short_of_memory) return batch_no_memory(error);
     if (status == TIDES_OK) return TIDES_OK;
-    run->hash[0] = '\0'; /* of a part */
+    run->hash[0] = '\0'; /* a part of it may be set */
     run->state = BATCH_FAILED;
     return (run->error = batch_text("%s", reason.text)) ? TIDES_OK : batch_no_memory(error);
 }

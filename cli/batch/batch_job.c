@@ -1,4 +1,4 @@
-/* One run of a batch, in a process of its own: the main job with the run's folder around it. */
+/* One run of a batch, in a process of its own: the main job of `tides simulate`, with the files of the run's folder. */
 #include "batch.h"
 
 #include <errno.h>
@@ -32,8 +32,8 @@ static void free_files(job_files *files) {
     free(files->failure);
 }
 
-/* Keeps two batches, or a batch and what a killed one left running, off the same folder: the lock ends with the process. The
- * system may take a moment to clear away a killed one. */
+/* Locks the folder, against another batch, or a process that a killed batch left behind. The lock ends with the process; the
+ * system may take a moment to end a killed one. */
 static tides_status lock_folder(const batch_run *run, tides_error *error) {
     enum { TRIES = 250 };
     static const struct timespec pause = {0, 20000000};
@@ -51,7 +51,7 @@ static tides_status lock_folder(const batch_run *run, tides_error *error) {
                      run->directory);
 }
 
-/* The result: the description, and of the statistics what doesn't depend on the machine's speed. */
+/* Writes the result: the description, and those statistics that don't depend on the machine's speed. */
 static tides_status write_result(const batch_run *run, const job_files *files, tides_error *error) {
     static const char *const of_events[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
                                             "height", "device",    "version",    "numerics",         "seed",        NULL};
@@ -72,8 +72,8 @@ static tides_status write_result(const batch_run *run, const job_files *files, t
     return status;
 }
 
-/* An older end goes before anything else is touched; a checkpoint, or the statistics of a dataset, which are written last,
- * count only under a job of the same hash. */
+/* Removes an older result before anything else changes. A checkpoint counts only under a job of the same hash; so do the
+ * statistics of a dataset, which are written last. */
 static tides_status begin(const batch_run *run, const job_files *files, int32_t *resume, tides_error *error) {
     tides_status status = batch_remove(files->result, error);
     if (status == TIDES_OK) status = batch_remove(files->failure, error);
@@ -91,7 +91,7 @@ static tides_status begin(const batch_run *run, const job_files *files, int32_t 
     return status == TIDES_OK ? batch_write_run(run, error) : status;
 }
 
-/* A link would lead the log, which is emptied, to another file. */
+/* Opens a log as stdout and stderr, and empties it. A link isn't followed: it would empty another file. */
 static int32_t log_to(const char *path) {
     const int file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0666);
     const int32_t ok = file >= 0 && dup2(file, STDERR_FILENO) >= 0 && dup2(file, STDOUT_FILENO) >= 0;
@@ -99,7 +99,7 @@ static int32_t log_to(const char *path) {
     return ok;
 }
 
-/* stdout and stderr to the end of log.txt: until the folder is locked it may be another process's. */
+/* Appends stdout and stderr to log.txt: until the folder is locked the log may be another process's. */
 static tides_status open_log(const batch_run *run, tides_error *error) {
     char *path = batch_text("%s/log.txt", run->directory);
     if (mkdir(run->directory, 0777) != 0 && errno != EEXIST)
@@ -110,7 +110,7 @@ static tides_status open_log(const batch_run *run, tides_error *error) {
     return error->status;
 }
 
-/* One line on what is going wrong is all that the log needs. */
+/* Simulates; errors become lines of the log. */
 static int simulate(const batch *b, const batch_run *run, const job_files *files, int32_t resume) {
     cli_list sets = {.count = 0};
     if (run->count > CLI_LIST_MAX) return cli_failed("over %d keys are set", CLI_LIST_MAX);

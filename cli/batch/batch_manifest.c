@@ -1,5 +1,5 @@
-/* The manifest of a batch: a base run, a grid over its keys, random draws, a list of runs, or several of these, as runs with
- * names. */
+/* Reads the manifest of a batch: a base run, a grid over its keys, random draws, a list of runs, or several of these. Makes
+ * runs with names of it. */
 #include "batch.h"
 
 #include <ctype.h>
@@ -7,14 +7,14 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* A folder of more entries is no use to anybody; a grid that large is a slip. */
+/* More runs in a folder aren't usable: so large a grid is a mistake. */
 enum { RUNS_MAX = 100000, NAME_MAX_LENGTH = 120 };
 
 static tides_status wrong(const batch *b, tides_error *error, const char *what, const char *name) {
     return cli_error(error, TIDES_BAD_CONFIG, "%s: %.200s %s", b->manifest, name, what);
 }
 
-/* Parts that runs share: the manifest's "set", and the object with "command" and "options". */
+/* Parts that all runs share: the manifest's "set", and the object with "command" and "options". */
 typedef struct shared {
     const cJSON *set, *how;
 } shared;
@@ -40,7 +40,7 @@ void batch_free(batch *b) {
     b->count = b->capacity = 0;
 }
 
-/* `name` against the manifest's folder. */
+/* The path of `name`, which is relative to the manifest's folder. */
 static char *beside(const batch *b, const char *name) {
     const char *slash = strrchr(b->manifest, '/');
     if (name[0] == '/' || !slash) return batch_text("%s", name);
@@ -56,7 +56,7 @@ static char *assignment(const cJSON *item, const cJSON *value) {
 /* The assignments of one run: the manifest's "set", then the grid's values (indices[i] of the i-th key) or the run's own. */
 static tides_status add_sets(batch_run *run, const cJSON *common, const cJSON *own, const int *indices, tides_error *error) {
     const size_t wanted = (size_t)cJSON_GetArraySize(common) + (size_t)cJSON_GetArraySize(own);
-    run->sets = calloc(wanted + 2, sizeof *run->sets); /* a drawn run's seed follows (batch_hash.c) */
+    run->sets = calloc(wanted + 2, sizeof *run->sets); /* for a drawn run's seed and the NULL */
     if (!run->sets) return batch_no_memory(error);
     for (const cJSON *item = common ? common->child : NULL; item; item = item->next)
         if (!(run->sets[run->count++] = assignment(item, item))) return batch_no_memory(error);
@@ -67,9 +67,9 @@ static tides_status add_sets(batch_run *run, const cJSON *common, const cJSON *o
     return TIDES_OK;
 }
 
-/* "sensor.threshold_on=0.1,seed=2": from the keys that the run sets, so that a grid that grows keeps its names. Characters that
- * a file's name can't hold become '-' ('_' at the beginning: no hidden folder, no option). Where that or the length loses
- * something, a hash is added. */
+/* A run's name, "sensor.threshold_on=0.1,seed=2", made of the keys that it sets, so that names stay when a grid grows.
+ * Characters that can't be in a file's name become '-', and '_' at the beginning: no hidden folder, no option. Where names
+ * become ambiguous by that or too long, a hash is added. */
 static char *grid_name(const batch_run *run, size_t first) {
     char name[NAME_MAX_LENGTH + 1];
     size_t used = 0;
@@ -99,7 +99,7 @@ static int32_t is_name(const char *name) {
     return 1;
 }
 
-/* Room for one more run, zeroed; it counts once it is whole, and is freed with the others. */
+/* Makes room for a run, zeroed. It counts once it is complete, and is freed with the others. */
 static batch_run *next_run(batch *b, tides_error *error) {
     if (b->count == RUNS_MAX) {
         cli_error(error, TIDES_BAD_CONFIG, "%s: over %d runs; split the manifest", b->manifest, RUNS_MAX);
@@ -184,7 +184,7 @@ static tides_status check_keys(const batch *b, const cJSON *object, const char *
     return TIDES_OK;
 }
 
-/* A member of a type, or NULL where it isn't there; `status` tells of another type. */
+/* A member of the given type, or NULL where there is none. A wrong type sets `status`. */
 static const cJSON *member(const batch *b, const cJSON *object, const char *name, int type, tides_status *status,
                            tides_error *error) {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
@@ -198,7 +198,7 @@ static const cJSON *member(const batch *b, const cJSON *object, const char *name
     return NULL;
 }
 
-/* "command" and "options" of an object: types, and a command that there is. */
+/* Checks the types of "command" and "options" of an object, and that the command exists. */
 static void check_command(const batch *b, const cJSON *object, tides_status *status, tides_error *error) {
     const cJSON *command = member(b, object, "command", cJSON_String, status, error);
     (void)member(b, object, "options", cJSON_Array, status, error);
@@ -319,7 +319,7 @@ static int32_t is_meant(const batch *b, const batch_run *run) {
     return 0;
 }
 
-/* The runs of b->only, in the manifest's order. */
+/* Keeps the runs named in b->only, in the manifest's order. */
 static tides_status keep_meant(batch *b, tides_error *error) {
     if (b->only->count == 0) return TIDES_OK;
     for (size_t i = 0; i < b->only->count; i++) {

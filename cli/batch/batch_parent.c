@@ -1,5 +1,5 @@
-/* Processes that end with the one that started them: a batch or a worker that is killed leaves no runs behind, and its runs go
- * on from their checkpoints when they are started again. */
+/* Makes a process end with its parent: a batch or a worker that is killed leaves no runs behind. They continue from their
+ * checkpoints when they are started again. */
 #include "batch.h"
 
 #include <signal.h>
@@ -11,7 +11,7 @@
 tides_status batch_end_with(pid_t parent, tides_error *error) {
 #ifdef __linux__
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() == parent) return TIDES_OK; /* else it ended before prctl, or never was it */
+    if (getppid() == parent) return TIDES_OK; /* else the parent ended before prctl was called, or isn't `parent` */
     return cli_error(error, TIDES_BAD_ARGUMENT, "process %ld isn't the one that started this", (long)parent);
 #else
     (void)parent;

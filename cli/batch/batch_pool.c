@@ -1,5 +1,5 @@
-/* The runs of a batch as child processes: as many at a time as there are processors and memory for. A process each, so that
- * one that fails, or that the system kills for its memory, takes no other with it. */
+/* The runs of a batch as child processes, as many at a time as processors and memory allow. If a run fails, or the system kills
+ * it for its memory, the others aren't affected. */
 #include "batch.h"
 
 #include <errno.h>
@@ -13,17 +13,17 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Part of the free memory that a batch may plan with; the rest is for what the estimate doesn't know. */
+/* Share of the free memory that is planned with; the rest covers errors of the estimates. */
 #define MEMORY_PART 0.8
 
 typedef struct pool {
     batch *b;
-    cli_progress quiet; /* asked whether the user wants to stop */
+    cli_progress quiet; /* only asked whether to stop */
     int32_t jobs, running;
-    int32_t full;        /* a run found no room on the disk: no further one would */
+    int32_t full;        /* 1: the disk is full: no further run is started */
     size_t ended;        /* finished, failed or skipped */
     double memory, used; /* [bytes]; memory 0: unknown, no bound */
-    double correction;   /* measured memory over estimated, the largest so far */
+    double correction;   /* greatest ratio of measured to estimated memory so far */
 } pool;
 
 /* Free memory [bytes], 0 where the system doesn't say. */
@@ -61,7 +61,7 @@ static void say(const pool *p, const batch_run *run) {
     }
 }
 
-/* Corrects the expected memory of the other runs by a finished run's. */
+/* Corrects the estimates of the other runs by the memory of a finished one. */
 static void learn_memory(pool *p, const batch_run *run) {
     char *path = batch_text("%s/stats.json", run->directory);
     cJSON *stats = path ? batch_read_json(path) : NULL;
@@ -71,8 +71,8 @@ static void learn_memory(pool *p, const batch_run *run) {
     free(path);
 }
 
-/* Processors are shared out among the runs, unless the user did, by --threads or in the environment (PoCL 3 and PoCL 4 name
- * theirs differently). */
+/* Shares the processors among the runs, unless the user has set threads by --threads or in the environment (PoCL 3 and 4 have
+ * different variables). */
 static void share_processors(const pool *p) {
     char threads[24];
     const long processors = sysconf(_SC_NPROCESSORS_ONLN), share = processors > p->jobs ? processors / p->jobs : 1;
@@ -109,14 +109,14 @@ static tides_status start(pool *p, batch_run *run, tides_error *error) {
     _exit(code);
 }
 
-/* 1 where the disk is full. The reason of a run that failed may not say so. */
+/* 1 where the disk is full. A failed run may not have been able to write this reason. */
 static int32_t has_no_room(const batch *b) {
-    enum { LEAST = 1 << 16 }; /* [bytes] a folder with its first files */
+    enum { LEAST = 1 << 16 }; /* [bytes] needed for a folder's first files */
     struct statvfs disk;
     return statvfs(b->directory, &disk) == 0 && (double)disk.f_bavail * (double)disk.f_frsize < LEAST;
 }
 
-/* Last words of a child that ended: those before it had a log, or else the log's last. */
+/* The last message of a child that ended: before it had a log from the pipe, else the log's last line. */
 static char *words_of(const batch_run *run) {
     char words[1024];
     const ssize_t length = read(run->words, words, sizeof words - 1);
@@ -126,7 +126,7 @@ static char *words_of(const batch_run *run) {
     return batch_words(words);
 }
 
-/* A child that ended. */
+/* Handles a child that ended. */
 static tides_status reap(pool *p, batch_run *run, int how, tides_error *error) {
     p->running--;
     p->used -= run->estimate;
@@ -172,7 +172,8 @@ static void stop_children(pool *p) {
         if (p->b->runs[i].state == BATCH_RUNNING) kill(p->b->runs[i].child, SIGTERM);
 }
 
-/* In the manifest's order: finished and failed runs are reported, and the rest are started while they fit. */
+/* Goes through the runs in the manifest's order: reports those that are finished or failed, and starts others while they
+ * fit. */
 static tides_status start_next(pool *p, size_t *next, tides_error *error) {
     batch *b = p->b;
     tides_status status = TIDES_OK;

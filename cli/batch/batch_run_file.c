@@ -1,4 +1,4 @@
-/* A run's own run file, with every value and with the paths of its files as they are found from anywhere. */
+/* Writes a run's own run file, with every value, and with absolute paths of its files. */
 #include "batch.h"
 
 #include <limits.h>
@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A text that names a file from the folder of the run file, made absolute; a preset's name stays. */
+/* Makes a text that names a file relative to the run file's folder absolute; a preset's name stays. */
 static int32_t place(cJSON *item, const char *folder) {
     const char *name = cJSON_GetStringValue(item);
     if (!name || name[0] == '/' || strcmp(name, "-") == 0) return 1;
@@ -16,7 +16,7 @@ static int32_t place(cJSON *item, const char *folder) {
     return ok;
 }
 
-/* Folder of the run file, from the root, with a slash behind it. */
+/* The absolute path of the run file's folder, with a slash at the end. */
 static char *folder_of(const char *file) {
     char here[PATH_MAX] = "";
     const char *slash = strrchr(file, '/');

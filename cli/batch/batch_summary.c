@@ -1,5 +1,5 @@
-/* The table of a batch: a row per run. It holds nothing that depends on how fast the machine was or how often the batch was
- * interrupted, so that two batches can be compared file by file; times are in each run's stats.json. */
+/* The table of a batch: a row per run. It doesn't depend on the machine's speed, or on how often the batch was interrupted, so
+ * that two batches can be compared file by file. Times are in each run's stats.json. */
 #include "batch.h"
 
 #include <stdio.h>
@@ -10,7 +10,7 @@ static const char *const columns[] = {"events", "events_on", "events_off", "even
                                       "height", "seed",      "device"};
 enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
-/* The result that the run left, else what was asked for. */
+/* The result of a finished run, else the description of what was asked for. */
 static cJSON *row_of(const batch_run *run) {
     static const char *const states[] = {"waiting", "waiting", "done", "failed"};
     char *path = batch_text("%s/result.json", run->directory);
@@ -51,7 +51,7 @@ static void put_sets(FILE *file, const cJSON *sets) {
     free(joined);
 }
 
-/* The keys that runs set, in the order in which they come up: a column each. */
+/* The keys that runs set, in the order of their first use: a column for each. */
 static cJSON *keys_of(const cJSON *runs) {
     cJSON *keys = cJSON_CreateObject();
     const cJSON *row, *set;
@@ -65,7 +65,7 @@ static cJSON *keys_of(const cJSON *runs) {
     return keys;
 }
 
-/* The value that a run sets a key to, the last one where there are several; nothing where it sets none. */
+/* Prints the value that a run sets a key to: the last one, or nothing. */
 static void put_value(FILE *file, const cJSON *sets, const char *key) {
     const cJSON *set, *found = NULL;
     const size_t length = strlen(key);

@@ -1,10 +1,10 @@
-/* Helpers of the batch: formatted strings, JSON files. */
+/* Helpers of the batch: formatted strings, and JSON files. */
 #include "batch.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A manifest of a hundred thousand runs is far below this. */
+/* [bytes] A manifest of 100 000 runs is far smaller. */
 enum { JSON_LIMIT = 1 << 26 };
 
 char *batch_text(const char *format, ...) {

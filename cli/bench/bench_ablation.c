@@ -1,13 +1,13 @@
-/* tides bench ablation: what each part of the method is worth, as errors against the exact stream: the paper's table of
- * ablations, and what this library adds to it. A row is one line of the table below. The exact stream is that of pixels which
+/* tides bench ablation: the value of each part of the method, as errors against the exact stream: the paper's table of
+ * ablations, and parts that this library adds. A row is one line of the table below. The exact stream is that of pixels which
  * are neither masked nor read out, for every row.
  *
  *   full                     cubic, error control tile by tile: the default. No risk-gated refinement, no mixed-visibility
  *                            masking, no readout (paper).
  *   risk_only                the paper's controller alone
  *   risk_only_no_alpha_dot   the same without its alpha_dot cue
- *   with_masking             full, with pixels silent where coverage is below B_MIN: what masking takes away and puts off
- *   with_readout             full, behind the default readout: what its delays, jitter and drops add
+ *   with_masking             full, with pixels silent where coverage is below B_MIN: events lost and late by masking
+ *   with_readout             full, behind the default readout: its delays, jitter and drops
  *   global_step              full, but one step for the whole image
  *   solved                   full, its events looked up in the image
  *   blocks                   full, refined by 4x4 pixels
@@ -15,7 +15,7 @@
  *   one_event                full, but at most one event per pixel and step: steps are cut until none has more
  *   fixed_step               no controller: the paper's schedule, ten equal steps where full may take one
  *
- * The others are compute-matched: equal steps, as many renders as full took.
+ * The others are compute-matched: equal steps, with as many renders as full.
  *
  *   compute_matched          the cubic
  *   differenced_cubic        its slopes from differences of renders (TIDES_SLOPE_DIFFERENCE)
@@ -23,7 +23,7 @@
  *   differenced_quadratic    its slope from differences
  *   linear                   the paper's linear model S0 + S0_dot d
  *   differenced_linear       its slope from differences: the paper's finite-difference row
- *   straight_line            S0 to S1: what ESIM assumes */
+ *   straight_line            S0 to S1: ESIM's assumption */
 #include "bench.h"
 
 #include <math.h>
@@ -32,19 +32,19 @@
 #include <string.h>
 
 #define TOLERANCE 0.01 /* of every controlled row */
-#define B_MIN 0.5      /* of the masked row: half of what is seen there is the scene */
+#define B_MIN 0.5      /* of the masked row: half of what the pixel sees is the scene */
 
-/* When a fixed step ends. */
+/* Numbers of fixed steps. */
 enum { STEPS_MATCHED = 0, STEPS_TEN = 1 };
 
 typedef struct variant {
     const char *name;
     int32_t mode, model, local;
-    int32_t events_per_step; /* 0: no limit that matters */
+    int32_t events_per_step; /* 0: a limit that is never reached */
     int32_t steps;           /* of fixed rows: STEPS_* */
     int32_t slope;
     int32_t no_alpha_dot, masking, readout;
-    int32_t parts; /* BENCH_SOLVED ... */
+    int32_t parts; /* BENCH_SOLVED and others */
 } variant;
 
 enum {
@@ -77,7 +77,7 @@ static const variant variants[] = {
 };
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
-/* `matched` is how many equal steps cost what full did. */
+/* Number of steps of a fixed row; `matched` is the number of equal steps that cost as much as full. */
 static double steps_of(const variant *v, const bench_scene *scene, double matched) {
     return v->steps == STEPS_TEN ? ceil(10 * (scene->stop - scene->start) / scene->macro_step_s) : matched;
 }
@@ -98,7 +98,7 @@ static tides_stepping stepping_of(const variant *v, const bench_scene *scene, do
     return s;
 }
 
-/* Renders that `steps` equal steps take: tiles at rest and empty tiles cost none, so this asks the simulator. */
+/* Renders that `steps` equal steps take. It asks the simulator, because tiles at rest and empty tiles cost none. */
 static tides_status count_renders(bench *b, const bench_scene *scene, double steps, double *renders, tides_error *error) {
     static const variant fixed = {.mode = FIXED, .model = CUBIC, .local = 1};
     bench_row run;
@@ -109,8 +109,8 @@ static tides_status count_renders(bench *b, const bench_scene *scene, double ste
     return status;
 }
 
-/* How many equal steps take as many renders as `renders`: a share of a frame each, which hardly depends on their length,
- * after a first frame of its own. */
+/* The number of equal steps that takes `renders` renders. After the first frame each step renders a share of a frame, which
+ * hardly depends on its length. */
 static tides_status match_compute(bench *b, const bench_scene *scene, double renders, double *steps, tides_error *error) {
     enum { TRIES = 3 };
     double guess = fmax(2, round(renders)), one, some;
@@ -128,13 +128,13 @@ static tides_status match_compute(bench *b, const bench_scene *scene, double ren
     return status;
 }
 
-/* One row of the table; on a second pass it is there already. */
+/* Measures one row of the table; on the second pass the row exists already. */
 static tides_status measure(bench *b, const bench_scene *scene, const variant *v, double matched, bench_row *row,
                             tides_error *error) {
     const int32_t fixed = v->mode == FIXED;
     const tides_stepping stepping = stepping_of(v, scene, matched);
     tides_sensor sensor = scene->sensor;
-    bench_scene behind = *scene; /* a readout, or none */
+    bench_scene behind = *scene; /* the scene with another readout */
     behind.readout.enabled = v->readout;
     if (v->events_per_step) sensor.max_events_per_step = v->events_per_step;
     if (v->masking) sensor.b_min = B_MIN;

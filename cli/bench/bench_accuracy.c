@@ -1,4 +1,5 @@
-/* tides bench accuracy: run time against the error of event times, method by method, each against its image's exact events. */
+/* tides bench accuracy: run time against the error of event times, for several methods, each against the exact events of its
+ * image. */
 #include "bench.h"
 
 #include <math.h>
@@ -7,21 +8,21 @@
 #include <string.h>
 
 enum { SETTINGS_MAX = 10 };
-enum { RATE = 0, TOLERANCE = 1, TIME_TOLERANCE = 2, LONGEST_STEP = 3 }; /* what a setting is */
+enum { RATE = 0, TOLERANCE = 1, TIME_TOLERANCE = 2, LONGEST_STEP = 3 }; /* meaning of a setting */
 
-/* One method is one row here; its settings end with 0, and --quick takes its own. Equal steps render whole frames (local = 0),
- * as every simulator that works on frames does. */
+/* A method; its settings end with 0, and --quick uses others. Equal steps render whole frames (local = 0), as simulators do
+ * that difference frames. */
 typedef struct method {
     const char *name;
     int32_t rules, mode, model, local, unit;
     double settings[SETTINGS_MAX], quick[SETTINGS_MAX];
-    int32_t parts; /* BENCH_SOLVED ... */
+    int32_t parts; /* BENCH_SOLVED and others */
 } method;
 
-/* `error` is the cubic alone between renders of whole tiles; `solved` looks its events up in the image, `blocks`
- * refines by 4x4 pixels, and `together` does both. `default` is what a run has that says nothing: events looked up, and blocks.
+/* `error` is the cubic alone between renders of whole tiles. `solved` looks its events up in the image, `blocks` refines by 4x4
+ * pixels, and `together` does both. `default` is the library's default: events looked up, and blocks.
  *
- * `risk` is the paper's score: its setting is the longest step, of which each tile takes its kappa. */
+ * `risk` is the paper's score: its setting is the longest step, of which each tile takes the share kappa of its risk. */
 /* clang-format off */
 static const method methods[] = {
     {"esim",         TIDES_RULES_SMOOTH, TIDES_STEPPING_FIXED, TIDES_MODEL_SECANT,    0, RATE,
@@ -54,7 +55,7 @@ enum { METHODS = sizeof methods / sizeof methods[0] };
 
 static const char *const unit_names[] = {"frames/s", "tolerance", "s", "s at most"};
 
-/* Every field that matters is set here: the library's defaults may change, the benchmark's meaning may not. */
+/* Sets every field that matters, so that the benchmark keeps its meaning when the library's defaults change. */
 static tides_stepping stepping_of(const method *m, const bench_scene *scene, double setting) {
     tides_stepping s;
     tides_stepping_defaults(&s);
@@ -63,14 +64,14 @@ static tides_stepping stepping_of(const method *m, const bench_scene *scene, dou
     s.local = m->local;
     s.step_s = m->unit == RATE ? 1 / setting : m->unit == LONGEST_STEP ? setting : scene->macro_step_s;
     s.min_step_s = 1e-6;
-    s.tolerance = m->unit == TOLERANCE ? setting : 1.0; /* a whole threshold: the time tolerance decides */
+    s.tolerance = m->unit == TOLERANCE ? setting : 1.0; /* [thresholds] so large that the time tolerance decides */
     s.time_tolerance_s = m->unit == TIME_TOLERANCE ? setting : 0;
     bench_choose_parts(&s, m->parts);
     return s;
 }
 
-/* Once through all settings. The methods take turns, so that what else the machine does hits all alike. `first` is the row of
- * the scene's first result; on the second pass the rows are there. */
+/* One pass over all settings. The methods take turns, so that other load of the machine affects all alike. `first` is the row
+ * of the scene's first result; on the second pass the rows exist. */
 static tides_status pass(bench *b, const bench_scene *scene, bench_rows *rows, size_t first, int32_t again,
                          tides_error *error) {
     size_t at = first;
@@ -107,7 +108,7 @@ static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error 
     return TIDES_OK;
 }
 
-/* One table of what each scene needs. */
+/* Prints one table: what each scene needs. */
 static void print_summary(const bench_rows *rows) {
     for (size_t i = 0; i < rows->count; i++)
         if (i == 0 || strcmp(rows->rows[i].scene, rows->rows[i - 1].scene) != 0)

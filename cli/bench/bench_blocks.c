@@ -1,11 +1,11 @@
-/* tides bench blocks: what each block of the sensor and the readout costs, alone. A row is
- * one line of the table below; its settings are what a user would give with --set.
+/* tides bench blocks: the cost of each block of the sensor and the readout, alone. A row is one line of the table below; its
+ * settings are written as for --set.
  *
- * All rows take the same equal steps over the same scene, so that they render the same frames. Each run of a row follows a run
- * with all blocks off, and the figures are medians over these pairs. Costs are in processor time, which other programs hardly
- * lengthen: the ratio in that of all threads, the nanoseconds in that of the thread which runs the sensor and the readout, as
- * rendering, which is done by others but on the reference device, would drown them. "off" is measured so too, as the first row
- * and as the last: how far its ratio is from 1 is how good the others are. */
+ * All rows take equal steps over the same scene, so that they render the same frames. Each run of a row follows a run with all
+ * blocks off, and results are medians over these pairs. Costs are in processor time, which other programs hardly affect. Ratios
+ * are of all threads' time. Nanoseconds are of the thread that runs the sensor and the readout, since rendering by other
+ * threads would hide them; on the reference device this thread renders too. "off" is measured likewise, as the first row and as
+ * the last: the distance of its ratio from 1 is the error of the others. */
 #include "bench.h"
 
 #include <math.h>
@@ -14,7 +14,8 @@
 #include <string.h>
 
 #define STEPS_PER_S 2000.0 /* [1/s] */
-/* Sizes where the block acts on what fires here: mismatch and leak as in v2e, rates and periods as in its noisy preset. */
+/* Each block has a size at which it affects the events here: mismatch and leak as in v2e, rates and periods as in its noisy
+ * preset. */
 static const bench_case blocks[] = {
     {"off", "base", {NULL}},
     {"mismatch", "comparator", {"sensor.threshold_sigma=0.03"}},

@@ -1,4 +1,4 @@
-/* The picture of what blocks cost: a panel for each scene, a bar for each block. */
+/* The picture of the costs of blocks: a panel for each scene, a bar for each block. */
 #include "bench.h"
 #include "plot.h"
 
@@ -25,7 +25,7 @@ static int32_t find_spans(const bench_cost *costs, size_t count, span spans[SPAN
     return found;
 }
 
-/* Noise of the measurement: the largest difference, median or quartile, of runs that differ in nothing [ns]. */
+/* Noise of the measurement [ns]: the greatest difference, median or quartile, between runs with equal settings. */
 static double noise_of(const bench_cost *costs, span rows) {
     double noise = 0;
     for (size_t i = rows.first; i < rows.last; i++)
@@ -33,7 +33,7 @@ static double noise_of(const bench_cost *costs, span rows) {
     return noise;
 }
 
-/* A colour for each group of blocks, in their order. */
+/* The style of a bar: a colour for each group of blocks, in their order. */
 static int32_t style_of(const bench_cost *costs, span rows, size_t index) {
     int32_t style = 0;
     for (size_t i = rows.first + 1; i <= index; i++) style += strcmp(costs[i].group, costs[i - 1].group) != 0;
@@ -70,7 +70,7 @@ static void draw_panel(cli_canvas *canvas, int32_t column, const bench_cost *cos
     }
 }
 
-/* Draws ratios of processor time to the first row's. */
+/* Draws the ratios of processor time to that of the first row. */
 static void draw_ratios(cli_canvas *canvas, const bench_cost *costs, size_t count) {
     const int32_t top = HEADING + TOP;
     plot_panel panel = {.left = LEFT, .top = top, .right = WIDTH - RIGHT, .bottom = top + (int32_t)count * PITCH};

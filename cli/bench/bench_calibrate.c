@@ -1,5 +1,5 @@
-/* tides bench calibrate: sensors drawn by chance, simulated on a scene, and measured again from their events (tides calibrate).
- * Whether what it finds is what there was, and whether its error bars say by how much it isn't. */
+/* tides bench calibrate: random sensors are simulated on a scene, and measured again from their events by tides calibrate. It
+ * shows how close the values come, and whether error bars hold. */
 #include "bench.h"
 #include "bench_calibrate.h"
 #include "demo.h"
@@ -32,7 +32,7 @@ const char *const *bench_calibrate_names(void) {
 
 /* -- sensors --------------------------------------------------------------------------------------------------------------- */
 
-/* Knuth's generator (MMIX), its upper bits: uniform in [0, 1). */
+/* Knuth's generator (MMIX), upper bits: uniform in [0, 1). */
 static double draw_share(uint64_t *state) {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
     return (double)(*state >> 11) / 9007199254740992.0;
@@ -49,14 +49,14 @@ static void draw_sensor(calibrate_row *row) {
     row->truth[4] = draw_share(&state) < 0.5 ? 0 : 0.002 * draw_share(&state);
     row->truth[5] = 0.15 * draw_share(&state) * fmin(on, row->truth[1]);
     row->law = row->truth[3] > 0 && draw_share(&state) < 0.3;
-    if (row->law) row->truth[3] *= 0.3; /* at Y = 1: longer in the dark */
+    if (row->law) row->truth[3] *= 0.3; /* that at Y = 1: it is longer in the dark */
     row->noisy = row->sensor % 3 == 2;
 }
 
-/* As --set has it; the texts are in `text`. */
+/* The sensor's settings as --set has them; `text` holds the texts. */
 static size_t describe(const bench *b, const calibrate_row *row, char text[SETS][80], const char *sets[SETS]) {
     size_t n = 0;
-    snprintf(text[n++], 80, "sensor.preset=ideal"); /* nothing of the run's own sensor */
+    snprintf(text[n++], 80, "sensor.preset=ideal"); /* without the run's own sensor */
     snprintf(text[n++], 80, "sensor.threshold_on=%.17g", row->truth[0]);
     snprintf(text[n++], 80, "sensor.threshold_off=%.17g", row->truth[1]);
     snprintf(text[n++], 80, "image.log_eps=%.17g", row->truth[2]);
@@ -66,7 +66,7 @@ static size_t describe(const bench *b, const calibrate_row *row, char text[SETS]
     snprintf(text[n++], 80, "sensor.refractory_s=%.17g", row->truth[4]);
     snprintf(text[n++], 80, "sensor.threshold_sigma=%.17g", row->truth[5]);
     if (row->noisy) snprintf(text[n++], 80, "frontend.shot_noise_hz=1");
-    if (b->quick) snprintf(text[n++], 80, "time.stop=0.04"); /* of the demo: 0.04 s */
+    if (b->quick) snprintf(text[n++], 80, "time.stop=0.04"); /* of the demo: shorter */
     for (size_t i = 0; i < n; i++) sets[i] = text[i];
     return n;
 }
@@ -152,7 +152,7 @@ static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_C
     return n;
 }
 
-/* Median and worst deviation of thresholds, and how often a truth is within its error bar. */
+/* Prints median and worst deviation of thresholds, and how often the true value is within its error bar. */
 static void print_summary(const calibrate_rows *all) {
     static const char *const names[MEASURED] = {"threshold_on", "threshold_off", "log_eps",
                                                 "pole_s",       "refractory_s",  "threshold_sigma"};
@@ -176,7 +176,7 @@ static void print_summary(const calibrate_rows *all) {
 
 /* -- scenes ---------------------------------------------------------------------------------------------------------------- */
 
-/* The demo's run, made in the folder of results; another name is a run file. */
+/* Makes the demo's run in the folder of results, or uses a run file. */
 static tides_status find_run(const bench *b, const char *name, char run[4300], tides_error *error) {
     char folder[4200];
     snprintf(run, 4300, "%s", name);

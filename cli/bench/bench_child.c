@@ -1,5 +1,5 @@
-/* A process for each row of `tides bench stability` and `determinism`: its memory is its own, and one that crashes or doesn't
- * end is a row that fails. Nothing that has threads is open in the process that forks. */
+/* Runs each row of `tides bench stability` and `determinism` in a process of its own: its memory is measured alone, and a row
+ * that crashes or doesn't end fails by itself. The forking process has nothing open that has threads. */
 #include "batch.h"
 #include "bench.h"
 
@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* All of `size`, or nothing: what is written is far below a pipe's capacity. */
+/* Reads a result of `size` bytes, or returns 0. Results are far smaller than a pipe's capacity. */
 static int32_t take_result(int from, void *result, size_t size) {
     size_t taken = 0;
     while (taken < size) {
@@ -29,7 +29,7 @@ static void be_child(pid_t parent, int to, bench_work work, void *user, void *re
     _exit(write(to, result, size) == (ssize_t)size ? CLI_OK : CLI_FAILED);
 }
 
-/* Waits until the child ends, the limit is reached or the user wants to stop; both of these end it. */
+/* Waits until the child ends. At the time limit, or when the user wants to stop, it kills the child. */
 static int wait_for(bench *b, pid_t child, double limit_s, int32_t *how) {
     static const struct timespec pause = {0, 2000000};
     const double began = cli_now();
@@ -48,8 +48,8 @@ static int wait_for(bench *b, pid_t child, double limit_s, int32_t *how) {
     return ended;
 }
 
-tides_status bench_child(bench *b, bench_work work, void *user, void *result, size_t size, double limit_s, int32_t *how,
-                         int32_t *signal, tides_error *error) {
+tides_status bench_child(bench *b, bench_work work, void *user, void *result, size_t size, double limit_s, bench_ending *ending,
+                         tides_error *error) {
     int ends[2];
     const pid_t parent = getpid();
     if (pipe(ends) != 0) return cli_error(error, TIDES_NO_MEMORY, "no pipe can be made for a row of its own process");
@@ -57,24 +57,21 @@ tides_status bench_child(bench *b, bench_work work, void *user, void *result, si
     const pid_t child = fork();
     if (child == 0) be_child(parent, ends[1], work, user, result, size);
     close(ends[1]);
-    *how = BENCH_RAN;
-    *signal = 0;
+    *ending = (bench_ending){BENCH_RAN, 0};
     if (child < 0) {
         close(ends[0]);
         return cli_error(error, TIDES_NO_MEMORY, "no process can be started for a row");
     }
-    const int ended = wait_for(b, child, limit_s, how);
-    if (*how == BENCH_RAN && !take_result(ends[0], result, size)) {
-        *how = BENCH_DIED;
-        *signal = WIFSIGNALED(ended) ? WTERMSIG(ended) : 0;
-    }
+    const int ended = wait_for(b, child, limit_s, &ending->how);
+    if (ending->how == BENCH_RAN && !take_result(ends[0], result, size))
+        *ending = (bench_ending){BENCH_DIED, WIFSIGNALED(ended) ? WTERMSIG(ended) : 0};
     close(ends[0]);
     return TIDES_OK;
 }
 
 /* -- the device ------------------------------------------------------------------------------------------------------------ */
 
-/* A driver that takes longer to say its name has no end [s]. */
+/* [s] A driver that doesn't give its name within this time hangs. */
 #define ASK_LIMIT_S 120.0
 
 typedef struct device_answer {
@@ -92,12 +89,12 @@ static void ask(void *user, void *result) {
 
 tides_status bench_ask_device(bench *b, tides_error *error) {
     device_answer answer;
-    int32_t how, signal;
+    bench_ending ending;
     memset(&answer, 0, sizeof answer);
-    tides_status status = bench_child(b, ask, b, &answer, sizeof answer, ASK_LIMIT_S, &how, &signal, error);
+    tides_status status = bench_child(b, ask, b, &answer, sizeof answer, ASK_LIMIT_S, &ending, error);
     if (status != TIDES_OK) return status;
-    if (how == BENCH_STOPPED) return TIDES_CANCELLED;
-    if (how != BENCH_RAN) return cli_error(error, TIDES_NO_DEVICE, "the device died when it was opened");
+    if (ending.how == BENCH_STOPPED) return TIDES_CANCELLED;
+    if (ending.how != BENCH_RAN) return cli_error(error, TIDES_NO_DEVICE, "the device died when it was opened");
     if (answer.error.status != TIDES_OK) {
         *error = answer.error;
         return error->status;

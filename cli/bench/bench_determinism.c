@@ -1,6 +1,7 @@
-/* `tides bench determinism`: runs of the demo's world, each made in ways that mustn't matter: threads, PoCL's methods, scalar
- * C, sizes of launches, cut in pieces, saved and restored, through a file, killed and resumed. One SHA-256 for each run, or the
- * ways that differ. The output has a line "HASH  RUN" for each, for other builds and languages to compare with. */
+/* `tides bench determinism`: runs of the demo's world, each made in ways that must give the same events: threads, PoCL's
+ * methods, scalar C, sizes of launches, cut in pieces, saved and restored, through a file, killed and resumed. Each run gets
+ * one SHA-256, or the list of ways that differ. The output has a line "HASH  RUN" for each, by which builds and languages can
+ * be compared. */
 #include "bench_determinism.h"
 #include "demo.h"
 
@@ -8,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A way takes seconds, and building the kernels of one of PoCL's methods a minute or two [s]. */
+/* [s] A way takes seconds, plus a minute or two where kernels are built for another PoCL method. */
 #define LIMIT_S 900.0
 
 typedef struct row {
@@ -16,13 +17,13 @@ typedef struct row {
     const determinism_way *way;
     determinism_result result;
     int32_t pass, reserved;
-    char why[512]; /* it doesn't pass; "" */
+    char why[512]; /* why it fails; "" if it passes */
 } row;
 
 typedef struct sheet {
     row *rows;
     size_t count;
-    char file[4400]; /* the run file */
+    char file[4400]; /* path of the run file */
 } sheet;
 
 /* -- rows ------------------------------------------------------------------------------------------------------------------ */
@@ -34,7 +35,7 @@ static int32_t is_made(const bench *b, const determinism_run *run, const determi
     return !run->frames || !cut;
 }
 
-/* `first`: the row that this one must have the hash of. */
+/* Judges a row. `first`: the row whose hash this one must have. */
 static void judge(row *r, const row *first) {
     const determinism_result *m = &r->result;
     if (m->how == BENCH_LATE)
@@ -57,7 +58,7 @@ static void judge(row *r, const row *first) {
 
 static void work(void *user, void *result) { determinism_make(user, result); }
 
-/* The shortest that a way has taken: the first may have built kernels. */
+/* The least time of a way so far, since the first may have built kernels. */
 static double usual_time(const row *first, const row *end) {
     double usual = first->result.elapsed_s;
     for (const row *r = first; r < end; r++) usual = fmin(usual, r->result.elapsed_s);
@@ -66,12 +67,13 @@ static double usual_time(const row *first, const row *end) {
 
 static tides_status make_row(bench *b, sheet *s, const row *first, row *r, tides_error *error) {
     determinism_job job = {b, s->file, r->run, r->way, usual_time(first, r)};
-    int32_t how, signal;
+    bench_ending ending;
     const double began = cli_now();
-    tides_status status = bench_child(b, work, &job, &r->result, sizeof r->result, LIMIT_S, &how, &signal, error);
+    tides_status status = bench_child(b, work, &job, &r->result, sizeof r->result, LIMIT_S, &ending, error);
     if (status != TIDES_OK) return status;
-    if (how == BENCH_STOPPED) return TIDES_CANCELLED;
-    if (how != BENCH_RAN) r->result = (determinism_result){.how = how, .signal = signal, .elapsed_s = cli_now() - began};
+    if (ending.how == BENCH_STOPPED) return TIDES_CANCELLED;
+    if (ending.how != BENCH_RAN)
+        r->result = (determinism_result){.how = ending.how, .signal = ending.signal, .elapsed_s = cli_now() - began};
     judge(r, first);
     b->failed += !r->pass;
     bench_say(b, "%s  %-14s %-14s %.16s  %7llu events %6.2f s%s%s", r->pass ? "same" : "FAIL", r->run->name, r->way->name,
@@ -103,7 +105,7 @@ static tides_status make_runs(bench *b, sheet *s, const cli_list *names, tides_e
 
 /* -- results --------------------------------------------------------------------------------------------------------------- */
 
-/* The keys of a run, separated by spaces: `tides simulate run.json --set ...` for each is the run by itself. */
+/* The keys of a run, separated by spaces, as for `tides simulate run.json --set ...`. */
 static const char *settings_of(const bench *b, const determinism_run *run) {
     static char text[2048];
     size_t used = 0;
@@ -156,7 +158,7 @@ static tides_status write_results(bench *b, const sheet *s, tides_error *error) 
     return status;
 }
 
-/* A line for each run: one hash, or what stands against it. */
+/* Prints a line for each run: its hash, or the differences. */
 static void print_summary(const bench *b, const sheet *s) {
     if (b->common->quiet || b->common->json) return;
     for (size_t i = 0, next; i < s->count; i = next) {

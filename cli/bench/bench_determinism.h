@@ -1,4 +1,4 @@
-/* `tides bench determinism`: the same runs made in ways that mustn't matter, one hash for each. */
+/* `tides bench determinism`: the same runs, made in ways that must give the same events, a hash for each. */
 #ifndef CLI_BENCH_DETERMINISM_H
 #define CLI_BENCH_DETERMINISM_H
 
@@ -9,28 +9,28 @@
 
 enum { DETERMINISM_TEXTS = 20, DETERMINISM_WAYS_MAX = 20 };
 
-/* A run: the demo's world under these keys. */
+/* A run: the demo's world with these keys set. */
 typedef struct determinism_run {
     const char *name, *sentence;
     const char *sets[DETERMINISM_TEXTS]; /* ends with a NULL */
-    int32_t frames;                      /* 1: a method that sees frames, which can't be cut */
+    int32_t frames;                      /* 1: a method that differences frames, whose runs can't be cut */
 } determinism_run;
 
-/* How the run is made: in one go, in pieces, by simulators that save and restore each other, through a file, or by processes
- * that are killed and gone on with. */
+/* How a run is made: at once, in pieces, by simulators that save and restore each other, through a file, or by processes that
+ * are killed and resumed. */
 enum { DETERMINISM_WHOLE, DETERMINISM_PIECES, DETERMINISM_SAVED, DETERMINISM_FILE, DETERMINISM_KILLED };
 
 typedef struct determinism_way {
     const char *name, *sentence;
     int32_t how;
-    const char *device;                 /* NULL: the one asked for */
-    const char *sets[4];                /* on top of the run's; ends with a NULL */
-    const char *variable[3], *value[3]; /* of the environment */
-    int32_t units;                      /* compute units that the device must then have; 0: any */
-    int32_t pocl;                       /* 1: means something to PoCL alone */
-    int32_t own_kernels;                /* 1: builds kernels that PoCL's cache would take for the others */
-    int32_t signal;                     /* that ends the processes; 0: SIGKILL */
-    int32_t quick;                      /* 1: with --quick too */
+    const char *device;                 /* NULL: the user's choice */
+    const char *sets[4];                /* added to the run's; ends with a NULL */
+    const char *variable[3], *value[3]; /* environment variables */
+    int32_t units;                      /* compute units that the device must report; 0: any */
+    int32_t pocl;                       /* 1: only for PoCL */
+    int32_t own_kernels;                /* 1: needs an empty kernel cache, since PoCL would use kernels of another method */
+    int32_t signal;                     /* by which processes are ended; 0: SIGKILL */
+    int32_t quick;                      /* 1: also with --quick */
 } determinism_way;
 
 extern const determinism_run determinism_runs[]; /* each list ends with a NULL name */
@@ -39,7 +39,7 @@ extern const determinism_way determinism_ways[];
 const determinism_run *determinism_find(const char *name); /* or NULL */
 const char *const *determinism_names(void);                /* ends with a NULL */
 size_t determinism_count(void);
-/* Appends the keys of a run to `sets`, after those that make the demo's world small. */
+/* Appends the keys of a run to `sets`, after those that make the demo's world smaller. */
 void determinism_take(const bench *b, const determinism_run *run, cli_list *sets);
 
 /* -- making them (bench_determinism_run.c, in a process of bench_child.c) ----------------------------------------------- */
@@ -49,11 +49,11 @@ typedef struct determinism_job {
     const char *file; /* the run file */
     const determinism_run *run;
     const determinism_way *way;
-    double usual_s; /* how long it takes in one go: processes are killed within that */
+    double usual_s; /* time of the run at once; processes are killed within it */
 } determinism_job;
 
-/* Plain: it comes through a pipe. The hash is of 13 bytes an event: t [ns] in 8, x and y in 2 each, the polarity in 1,
- * little-endian. */
+/* Sent through a pipe, so that it has no pointers. The hash is of 13 bytes per event: t [ns] in 8, x and y in 2 each, the
+ * polarity in 1, little-endian. */
 typedef struct determinism_result {
     int32_t how; /* BENCH_RAN .. BENCH_LATE */
     int32_t signal, units, cuts;

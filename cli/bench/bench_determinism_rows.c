@@ -34,10 +34,10 @@ const determinism_run determinism_runs[] =
      {"esim", "straight lines between frames", {"method=esim", "frames_per_second=4000"}, 1},
      {.name = NULL}};
 
-/* reference-f32, the kernels' arithmetic in scalar C, is among the ways because it must equal the device to the bit. The double
- * precision of reference-f64 gives other events, so it is no way.
+/* reference-f32, the kernels' arithmetic in scalar C, is among the ways because it must equal the device to the bit.
+ * reference-f64 computes in double and gives other events, so that it isn't among them.
  *
- * THREADS, HOST and METHOD name a way's environment variables with their values. */
+ * THREADS, HOST and METHOD make a way's environment variables with their values. */
 #define THREADS(count) \
     .variable = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"}, .value = {#count, #count}, .units = count, .pocl = 1
 #define HOST(count) .variable = {"TIDES_THREADS"}, .value = {#count}

@@ -37,12 +37,12 @@ static int take(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* Context of a way to make a stream. */
+/* The state of one way of making a stream. */
 typedef struct making {
     const determinism_job *job;
     cli_common common;
     cli_list sets;
-    char path[PATH_SIZE]; /* of the file that it may leave things in */
+    char path[PATH_SIZE]; /* of a file that the way may use */
     hashing *out;
     int32_t units, cuts;
 } making;
@@ -66,7 +66,7 @@ static tides_status make_whole(making *m, tides_error *error) {
 
 /* -- cut ----------------------------------------------------------------------------------------------------------------- */
 
-/* The simulator saved, and another that goes on from there in its place. */
+/* Saves the simulator, and replaces it by another that goes on from there. */
 static tides_status replace(making *m, tides_session *session, tides_simulator **simulator, tides_error *error) {
     tides_status status = tides_simulator_save(*simulator, NULL, m->path, error);
     tides_simulator_destroy(*simulator);
@@ -88,7 +88,7 @@ static tides_status make_cut(making *m, tides_error *error) {
     status = tides_session_simulator(session, NULL, NULL, &simulator, error);
     uint64_t state = CUT_SEED;
     double until = start;
-    for (int i = 0; i < CUTS && status == TIDES_OK; i++) { /* anywhere in what is left, the end excepted */
+    for (int i = 0; i < CUTS && status == TIDES_OK; i++) { /* at random places, except the end */
         until = stability_between(&state, until, stop);
         status = tides_simulator_run(simulator, until, take, m->out, NULL, NULL, error);
         if (status == TIDES_OK && m->job->way->how == DETERMINISM_SAVED) status = replace(m, session, &simulator, error);
@@ -119,15 +119,16 @@ static tides_status make_file(making *m, tides_error *error) {
     return status == TIDES_OK ? hash_file(m, error) : status;
 }
 
-/* The main job in a process that goes on from whatever was left; this one has no threads yet, so it may fork. */
+/* Starts the main job in a child, which goes on from what earlier children left. This process has no threads yet, so that it
+ * may fork. */
 static pid_t start_job(making *m) {
     const cli_job job = {.run = m->job->file, .events = m->path, .sets = &m->sets, .checkpoint_s = 1e-3, .resume = 1};
     const pid_t parent = getpid(), child = fork();
     if (child != 0) return child;
-    if (m->job->way->signal) signal(m->job->way->signal, SIG_DFL); /* a shell's `&` has its jobs ignore SIGINT */
+    if (m->job->way->signal) signal(m->job->way->signal, SIG_DFL); /* a shell's `&` makes jobs ignore SIGINT */
     tides_error ignored = {TIDES_OK, ""};
     const tides_status together = batch_end_with(parent, &ignored);
-    if (m->job->way->signal && !freopen("/dev/null", "w", stderr)) _exit(CLI_FAILED); /* it says that it was stopped */
+    if (m->job->way->signal && !freopen("/dev/null", "w", stderr)) _exit(CLI_FAILED); /* it would print that it was stopped */
     _exit(together == TIDES_OK || together == TIDES_UNSUPPORTED ? cli_job_run(&job, &m->common) : CLI_FAILED);
 }
 
@@ -136,12 +137,12 @@ static void wait_seconds(double seconds) {
     nanosleep(&pause, NULL);
 }
 
-/* Died of the signal, or, where it may be stopped on request, stopped. */
+/* 1 where the job died of the signal, or, if it can be stopped by it, stopped. */
 static int32_t was_cut(const making *m, int ended) {
     return WIFSIGNALED(ended) || (m->job->way->signal && WIFEXITED(ended) && WEXITSTATUS(ended) == CLI_FAILED);
 }
 
-/* Starts the job and kills it within `usual_s`; with 0 lets it end. Returns how it ended, as waitpid has it, or -1. */
+/* Starts the job and kills it within `usual_s`; 0: lets it end. Returns its status as waitpid does, or -1. */
 static int run_job(making *m, double usual_s, uint64_t *state) {
     int ended = 0;
     const pid_t child = start_job(m);
@@ -155,7 +156,7 @@ static int run_job(making *m, double usual_s, uint64_t *state) {
     return ended;
 }
 
-/* Other moments each time, which the clock's jitter would see to anyway. One that comes too late says to come earlier. */
+/* Kills the job at random times. If it ended before, the next kill comes earlier. */
 static tides_status make_killed(making *m, tides_error *error) {
     enum { TRIES = 4 * CUTS };
     uint64_t state = CUT_SEED ^ (uint64_t)time(NULL);
@@ -177,7 +178,7 @@ static tides_status make_killed(making *m, tides_error *error) {
 
 /* -- a way --------------------------------------------------------------------------------------------------------------- */
 
-/* Where the kernels of other methods go, so that PoCL builds them. */
+/* Sets the way's variables. Kernels of other methods get a cache of their own, so that PoCL builds them. */
 static tides_status set_environment(const determinism_job *job, tides_error *error) {
     const determinism_way *w = job->way;
     char path[PATH_SIZE];
@@ -204,7 +205,7 @@ static tides_status make(making *m, tides_error *error) {
 }
 
 void determinism_make(const determinism_job *job, determinism_result *result) {
-    static making m; /* large; the process is the way's own */
+    static making m; /* large; the process has one way only */
     hashing out = {.events = 0};
     tides_error error = {TIDES_OK, ""};
     const double began = cli_now();

@@ -21,7 +21,7 @@ typedef struct curve_data {
     plot_curve curve;
 } curve_data;
 
-/* The scenes of the rows, each where it occurs first. */
+/* Finds the scenes of the rows, and the first row of each. */
 static int32_t find_scenes(const bench_rows *rows, size_t first[SCENES_MAX]) {
     int32_t count = 0;
     for (size_t i = 0; i < rows->count; i++) {
@@ -50,7 +50,7 @@ cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const cha
     return canvas;
 }
 
-/* The legend stands in the place behind the last panel, or below where the row is full. */
+/* 1 where the legend fits behind the last panel; else it goes below. */
 static int32_t legend_fits(int32_t panels) { return panels % PANEL_COLUMNS != 0; }
 
 static void draw_legend(cli_canvas *canvas, int32_t panels, const plot_curve *curves, int32_t count) {
@@ -77,14 +77,14 @@ tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *
 
 /* -- curves ------------------------------------------------------------------------------------------------------------ */
 
-/* Appends a point: curves run from setting to setting. */
+/* Appends a point to a curve. */
 static void append(curve_data *c, double x, double y) {
     if (c->curve.count == POINTS_MAX || !isfinite(y) || !(x > 0)) return;
     c->x[c->curve.count] = x;
     c->y[c->curve.count++] = fmax(y, LEAST_ERROR_US);
 }
 
-/* One curve for each method of the scene, in the order of the results, which is the same in all scenes. */
+/* Collects a curve for each method of the scene. All scenes have the same methods in the same order. */
 static int32_t collect(const bench_rows *rows, const char *scene, quantity what, curve_data curves[CURVES_MAX]) {
     int32_t count = 0;
     for (size_t i = 0; i < rows->count; i++) {
@@ -123,7 +123,7 @@ static tides_status draw_curves(const bench *b, const bench_rows *rows, quantity
     const int32_t scenes = find_scenes(rows, first);
     curve_data *curves = malloc(CURVES_MAX * sizeof *curves);
     if (!curves) return cli_error(error, TIDES_NO_MEMORY, "out of memory: the pictures");
-    int32_t count = scenes ? collect(rows, rows->rows[first[0]].scene, what, curves) : 0; /* in all scenes the same ones */
+    int32_t count = scenes ? collect(rows, rows->rows[first[0]].scene, what, curves) : 0; /* all scenes have the same curves */
     for (int32_t k = 0; k < count; k++) legend[k] = curves[k].curve;
     cli_canvas canvas =
         make_canvas(b, scenes, legend, count,
@@ -166,7 +166,7 @@ static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *r
         panel->x_low = fmin(panel->x_low, fmax(error, LEAST_ERROR_US));
         panel->x_high = fmax(panel->x_high, error);
     }
-    panel->x_low *= 0.4; /* so that the shortest bar is seen */
+    panel->x_low *= 0.4; /* so that the shortest bar is visible */
     plot_round_range(&panel->x_low, &panel->x_high);
     panel->left += BAR_LABEL - LEFT;
     panel->right -= BAR_VALUE - RIGHT;

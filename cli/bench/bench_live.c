@@ -1,6 +1,7 @@
-/* tides bench live: how long a run that is told poses as it goes takes for each, at 346x260 and a pose every millisecond: from
- * the pose told to its events there. The first step also makes the first image, and is listed apart. Poses are those of the
- * scene's own camera, without rates, to and fro where it is shorter than the run. */
+/* tides bench live: the time that a live run takes for each pose, from getting the pose to having its events, at 346x260 and a
+ * pose every millisecond. The first step also makes the first image, and is listed separately. Poses are those of the scene's
+ * own camera, without rates, to and fro where its path is shorter than the run. Rows of way "ros2" are the ROS 2 feed's: from
+ * a packet of a millisecond's events to its events read by another process, at a few rates. */
 #include "bench.h"
 #include "bench_worlds.h"
 #include "plot.h"
@@ -25,8 +26,9 @@ typedef struct live_row {
     char scene[64];
     const char *way;
     int32_t steps;
-    double ms[STEPS]; /* sorted */
-    double first_ms, seconds;
+    double ms[STEPS];               /* sorted */
+    double first_ms, seconds, lost; /* lost: packets */
+    int32_t taken;                  /* steps that all events are of */
     tides_stats stats;
 } live_row;
 
@@ -46,7 +48,7 @@ static int count_events(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* Where the camera is at `time` [s] of the run: along its path, and back. */
+/* The camera's pose at `time` [s] of the run: along its path and back. */
 static tides_status pose_at(const bench_scene *scene, double time, tides_pose_sample *sample, tides_error *error) {
     const double lasts = scene->stop - scene->start, turns = fmod(time / lasts, 2), place = turns > 1 ? 2 - turns : turns;
     tides_pose pose;
@@ -57,7 +59,7 @@ static tides_status pose_at(const bench_scene *scene, double time, tides_pose_sa
     memset(sample, 0, sizeof *sample);
     sample->time = time;
     memcpy(sample->position, pose.position, sizeof sample->position);
-    /* Shepperd's formulas: the largest component is found first, the others are differences over it. */
+    /* Shepperd's formulas: the largest component first, the others as differences over it. */
     int32_t large = r[0] > r[4] ? (r[0] > r[8] ? 0 : 2) : (r[4] > r[8] ? 1 : 2);
     if (trace > r[4 * large]) {
         q[0] = 0.5 * sqrt(1 + trace);
@@ -93,6 +95,7 @@ static tides_status take_steps(bench *b, const bench_scene *scene, tides_traject
             row->ms[k - 1] = ms, row->seconds += 1e-3 * ms;
     }
     tides_simulator_stats(simulator, &row->stats);
+    row->taken = row->steps + 1;
     cli_sort(row->ms, (size_t)row->steps);
     return TIDES_OK;
 }
@@ -108,7 +111,7 @@ static tides_status measure(bench *b, const bench_scene *scene, const live_way *
     double start, stop;
     tides_scene_range(scene->scene, &start, &stop);
     stop = fmin(stop, (row->steps + 2) * STEP_S);
-    if (stop < (row->steps + 2) * STEP_S) row->steps = (int32_t)(stop / STEP_S) - 2; /* objects' paths end */
+    if (stop < (row->steps + 2) * STEP_S) row->steps = (int32_t)(stop / STEP_S) - 2; /* until paths of objects end */
     if (row->steps < 1)
         return cli_error(error, TIDES_OUT_OF_RANGE, "%s: its objects' paths end after %g s, too early for a live run",
                          scene->name, stop);
@@ -135,10 +138,20 @@ static double percentile(const live_row *row, double percent) {
 
 /* -- scenes --------------------------------------------------------------------------------------------------------------- */
 
-/* The demo's world, which lasts as long as the run; others as they are. */
+/* The demo's world, made as long as the run; other scenes as they are. */
 static tides_status make_scene(const bench *b, const char *name, bench_scene *scene, tides_error *error) {
     if (strcmp(name, "demo") != 0) return bench_world_make(name, b->quick, scene, error);
-    return bench_make_demo((STEPS + 2) * STEP_S, scene, error); /* quick ones see its beginning */
+    return bench_make_demo((STEPS + 2) * STEP_S, scene, error); /* quick runs use its beginning */
+}
+
+static live_row *add_row(live_rows *all, tides_error *error) {
+    live_row *grown = realloc(all->rows, (all->count + 1) * sizeof *grown);
+    if (!grown) {
+        cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
+        return NULL;
+    }
+    all->rows = grown;
+    return memset(grown + all->count, 0, sizeof *grown);
 }
 
 static tides_status measure_scene(bench *b, const char *name, live_rows *all, tides_error *error) {
@@ -147,13 +160,8 @@ static tides_status measure_scene(bench *b, const char *name, live_rows *all, ti
     if (status != TIDES_OK) return status;
     if (scene.intrinsics.width != WIDTH || scene.intrinsics.height != HEIGHT) bench_resize(&scene, WIDTH, HEIGHT);
     for (int32_t i = 0; i < WAYS && status == TIDES_OK; i++) {
-        live_row *grown = realloc(all->rows, (all->count + 1) * sizeof *grown);
-        if (!grown) status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
-        if (status != TIDES_OK) break;
-        all->rows = grown;
-        live_row *row = all->rows + all->count;
-        memset(row, 0, sizeof *row);
-        status = measure(b, &scene, &ways[i], row, error);
+        live_row *row = add_row(all, error);
+        status = row ? measure(b, &scene, &ways[i], row, error) : TIDES_NO_MEMORY;
         if (status != TIDES_OK) break;
         all->count++;
         bench_say(b, "%-9s %-14s median %.3g ms, p99 %.3g ms", row->scene, row->way, percentile(row, 50), percentile(row, 99));
@@ -161,6 +169,36 @@ static tides_status measure_scene(bench *b, const char *name, live_rows *all, ti
     if (status == TIDES_OK && !bench_header_scene(all->header, &scene, NULL))
         status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     bench_scene_free(&scene);
+    return status;
+}
+
+/* -- the feed ------------------------------------------------------------------------------------------------------------- */
+
+static double number(const cJSON *row, const char *key) {
+    return cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(row, key));
+}
+
+static tides_status measure_feed(bench *b, live_rows *all, tides_error *error) {
+    cJSON *rows;
+    tides_status status = bench_feed(b, b->quick ? STEPS_QUICK : STEPS, &rows, error);
+    const cJSON *of, *ms;
+    cJSON_ArrayForEach(of, rows) {
+        live_row *row = status == TIDES_OK ? add_row(all, error) : NULL;
+        if (!row) break;
+        cJSON_ArrayForEach(ms, cJSON_GetObjectItemCaseSensitive(of, "ms")) {
+            if (row->steps < STEPS) row->ms[row->steps++] = ms->valuedouble;
+        }
+        if (row->steps == 0) continue; /* no packet came: lost is all, and there is no latency */
+        snprintf(row->scene, sizeof row->scene, "%g kev/s", 1e-3 * number(of, "rate"));
+        row->way = "ros2";
+        row->first_ms = number(of, "first_ms");
+        row->seconds = number(of, "seconds") * row->steps / number(of, "packets");
+        row->lost = number(of, "lost");
+        row->taken = (int32_t)number(of, "packets");
+        row->stats.events_written = (uint64_t)number(of, "events");
+        all->count++;
+    }
+    cJSON_Delete(rows);
     return status;
 }
 
@@ -180,8 +218,9 @@ static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_C
         {"first_ms", NULL, r->first_ms},
         {"real_time_factor", NULL, r->steps * STEP_S / r->seconds},
         {"events", NULL, (double)r->stats.events_written},
-        {"events_per_step", NULL, (double)r->stats.events_written / (r->steps + 1)},
+        {"events_per_step", NULL, (double)r->stats.events_written / r->taken},
         {"renders", NULL, r->stats.renders_full_frame_equivalent},
+        {"lost", NULL, r->lost},
     };
     memcpy(cells, made, sizeof made);
     return sizeof made / sizeof made[0];
@@ -194,11 +233,11 @@ static void print_table(const live_rows *all) {
         const live_row *r = &all->rows[i];
         printf("%-10s %-14s %6d %10.3g %8.3g %8.3g %9.3g %9.3g %11.3g %12.4g\n", r->scene, r->way, (int)r->steps,
                percentile(r, 50), percentile(r, 90), percentile(r, 99), percentile(r, 100), r->first_ms,
-               r->steps * STEP_S / r->seconds, (double)r->stats.events_written / (r->steps + 1));
+               r->steps * STEP_S / r->seconds, (double)r->stats.events_written / r->taken);
     }
 }
 
-/* How many percent of the steps take how long, a point for every other percent. */
+/* Draws how many percent of the steps take at most a time, a point for every second percent. */
 static tides_status draw(const bench *b, const live_rows *all, tides_error *error) {
     enum { CURVES_MAX = CANVAS_SERIES, POINTS = 50 };
     double ms[CURVES_MAX][POINTS], percent[POINTS];
@@ -232,6 +271,7 @@ tides_status bench_live(bench *b, const cli_list *scenes, tides_error *error) {
     live_rows all = {.header = bench_header(b, "live")};
     tides_status status = all.header ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     for (size_t i = 0; i < asked->count && status == TIDES_OK; i++) status = measure_scene(b, asked->items[i], &all, error);
+    if (status == TIDES_OK) status = measure_feed(b, &all, error);
     const bench_table table = {all.rows, all.count, cells_of};
     if (status == TIDES_OK) status = bench_write_table(b, "live", all.header, &table, error);
     if (status == TIDES_OK) status = draw(b, &all, error);

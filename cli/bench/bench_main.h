@@ -4,12 +4,12 @@
 
 #include "bench.h"
 
-/* One that opens devices by itself goes through rows, the others through scenes: built-in ones, or files. */
+/* A benchmark. One with own_devices opens devices itself and has rows; others have scenes: built-in ones, or files. */
 typedef struct bench_entry {
-    const char *name, *sentence; /* the latter for the page of results */
+    const char *name, *sentence; /* the sentence is for the page of results */
     tides_status (*run)(bench *b, const cli_list *names, tides_error *error);
     int32_t own_devices;
-    const char *const *(*names)(void); /* what --scene or --row chooses from, NULL-terminated */
+    const char *const *(*names)(void); /* choices of --scene or --row, NULL-terminated */
 } bench_entry;
 
 enum { BENCH_ENTRIES = 16 }; /* in a table at most */
@@ -18,7 +18,7 @@ typedef struct bench_list {
     size_t count;
 } bench_list;
 
-/* A command that takes the name of one, or `all`: cli_command.run with the table. */
+/* Runs a command that takes the name of a benchmark, or `all`. */
 int bench_main(const cli_command *command, const bench_list *all, int argc, char **argv);
 
 #endif

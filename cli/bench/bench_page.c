@@ -1,5 +1,5 @@
-/* The page is made of the files that benchmarks leave: NAME.json as tables, NAME.png and NAME_*.png within the text as data, so
- * that it can be sent and kept by itself. */
+/* Makes the page of results from the files that benchmarks write: NAME.json as tables, NAME.png and NAME_*.png as data within
+ * the page, so that it can be sent as one file. */
 #include "bench_page.h"
 
 #include "html.h"
@@ -26,7 +26,7 @@ static cJSON *read_results(const bench *b, const char *name) {
 
 static int by_name(const void *a, const void *b) { return strcmp(a, b); }
 
-/* NAME.png and NAME_*.png, in the order of their names; how many. */
+/* Finds NAME.png and NAME_*.png, sorted by name, and returns their number. */
 static int32_t find_pictures(const bench *b, const char *name, char pictures[PICTURES_MAX][256]) {
     int32_t count = 0;
     const size_t length = strlen(name);

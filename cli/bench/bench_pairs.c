@@ -1,4 +1,4 @@
-/* Runs of settings against runs without them, in turns: of bench blocks and bench sensors. */
+/* Runs with settings against runs without, in turns, for bench blocks and bench sensors. */
 #include "bench.h"
 
 #include <stdio.h>
@@ -7,7 +7,7 @@
 
 enum { PAIRS_QUICK = 3, PAIRS_LEAST = 2 };
 
-/* The scene with a case's settings. */
+/* Applies a case's settings to the scene. */
 static tides_status set_case(const bench_case *of, bench_scene *scene, int32_t *rules, tides_error *error) {
     static const char least[] = "{\"scene\": {\"file\": \"-\"}, \"camera\": {\"file\": \"-\"}}";
     size_t count = 0;

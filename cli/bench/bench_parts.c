@@ -1,4 +1,4 @@
-/* Parts of the benchmark's scenes: objects of the library's worlds, on paths of their own. */
+/* Parts of the benchmark's scenes: objects of the library's made worlds, on paths of their own. */
 #include "bench.h"
 
 #include <math.h>
@@ -9,13 +9,13 @@
 
 /* -- objects --------------------------------------------------------------------------------------------------------- */
 
-/* An object of a world, or all of them (name NULL). */
+/* An object of a made world; all its objects if `name` is NULL. */
 typedef struct source {
     const char *kind, *name;
-    int64_t gaussians; /* 0: the kind's own number */
+    int64_t gaussians; /* 0: the world's own number */
 } source;
 
-/* Adds what `from` names, with the paths that it has there; or with `path` and `scale` where there is a path. */
+/* Adds the objects of `from` on their own paths, or on `path`, scaled by `scale`, where one is given. */
 static tides_status add(tides_scene *scene, source from, double stop, const tides_trajectory *path, double scale,
                         tides_error *error) {
     tides_generate_options options;
@@ -53,7 +53,7 @@ tides_status bench_add_fan(tides_scene *scene, double stop, tides_error *error) 
 
 /* -- motion: both have rates, so the paths are exact between their samples ------------------------------------------------ */
 
-/* Turns steadily about z. */
+/* A path that turns steadily about z. */
 static tides_status turning(const double centre[3], double turns_per_s, double stop, tides_trajectory **path,
                             tides_error *error) {
     enum { SAMPLES = 33 };
@@ -72,7 +72,7 @@ static tides_status turning(const double centre[3], double turns_per_s, double s
     return tides_trajectory_create(samples, SAMPLES, path, error);
 }
 
-/* Moves steadily along x, and is at `centre` halfway. */
+/* A path that moves steadily along x, and is at `centre` halfway. */
 static tides_status flying(const double centre[3], double speed, double stop, tides_trajectory **path, tides_error *error) {
     tides_pose_sample samples[2];
     memset(samples, 0, sizeof samples);

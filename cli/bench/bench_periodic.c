@@ -1,5 +1,5 @@
-/* Scenes that return to their state within a step of the benchmark's: objects and cameras that vibrate, and lamps. Error
- * control that looks at the ends of steps alone sees nothing of it. */
+/* Scenes that return to their state within a step of the benchmark: vibrating objects and cameras, and lamps. Error control by
+ * the ends of steps alone can't see these motions. */
 #include "bench.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 #define PI 3.14159265358979323846
 #define SEED 346  /* of every world */
-#define PHASE 0.7 /* [rad] at the start: neither at rest nor at mean, so that no level is touched where a run ends */
+#define PHASE 0.7 /* [rad] at the start: neither at rest nor at the mean, so that no signal is on a level where a run ends */
 
 /* -- vibrations ------------------------------------------------------------------------------------------------------------ */
 
@@ -50,10 +50,10 @@ tides_status bench_vibrating_path(const bench_vibration *v, double stop, tides_t
 
 /* -- lamps ----------------------------------------------------------------------------------------------------------------- */
 
-/* The constant band of spherical harmonics: a colour is 1/2 + SH0 sh. */
+/* The constant band of SH: a colour is 1/2 + SH0 sh. */
 #define SH0 0.28209479177387814
 
-/* Every splat at every key, its constant band lit by `light`; other bands, which are differences from that, likewise. */
+/* Copies every splat to every key, with its colour multiplied by `light`: 1/2 + SH0 sh is, and so are the other bands. */
 static void light_up(const tides_gaussians *g, float light, float *mean, float *quaternion, float *sh) {
     const size_t n = (size_t)g->count, bands = (size_t)(g->sh_degree + 1) * (size_t)(g->sh_degree + 1);
     memcpy(mean, g->mean, 3 * n * sizeof *mean);

@@ -1,4 +1,4 @@
-/* Measured runs of a benchmark, and the scenes that it goes through. */
+/* Measured runs of a benchmark, scene by scene. */
 #include "bench.h"
 
 #include <stdarg.h>
@@ -137,7 +137,7 @@ static int32_t is_built_in(const char *name) {
 }
 
 tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit, void *user, tides_error *error) {
-    /* The others take too long for a look; --scene has them. */
+    /* Scenes of --quick; the others take too long, and --scene can name them. */
     static const char *const quick_names[] = {"fan", "occluder", "nearly_static", "playbot", NULL};
     const char *const *all = b->quick ? quick_names : bench_scene_names();
     tides_status status = TIDES_OK;

@@ -8,7 +8,7 @@
 
 #define PI 3.14159265358979323846
 #define CAMERA_Z 3.05 /* [m] of the rooms' cameras */
-#define SLACK_S 0.01  /* that paths last beyond the run */
+#define SLACK_S 0.01  /* time that paths last beyond the run */
 
 typedef tides_status (*scene_maker)(bench_scene *s, tides_error *error);
 
@@ -19,13 +19,13 @@ typedef struct recipe {
     const char *file;      /* below $TIDES_SHARED/data, or NULL */
     int32_t width, height; /* [px] */
     double duration_s, macro_step_s;
-    double truth_step_s; /* 0: an eighth of macro_step_s */
-    int32_t transfer;    /* of its colours, whatever its file says */
+    double truth_step_s; /* 0: macro_step_s / 8 */
+    int32_t transfer;    /* overrides the file's */
 } recipe;
 
 /* -- rooms ------------------------------------------------------------------------------------------------------------- */
 
-/* Looks along -z at the room, as the demo's camera does. */
+/* A camera at rest that looks along -z at the room, like the demo's. */
 static tides_status still_camera(bench_scene *s, tides_error *error) {
     static const double position[3] = {0, 0.1, CAMERA_Z}, along_minus_z[4] = {0, 1, 0, 0}; /* half a turn about x */
     return tides_trajectory_create_static(position, along_minus_z, &s->camera, error);
@@ -52,7 +52,7 @@ static double pixels_per_metre(const bench_scene *s) { return s->intrinsics.fx /
 static tides_status make_fan(bench_scene *s, tides_error *error) {
     tides_status status = bench_add_room(s->scene, error);
     if (status == TIDES_OK) status = bench_add_fan(s->scene, s->stop + SLACK_S, error);
-    return status == TIDES_OK ? handheld_camera(s, 1.5, 0.012, 0.006, error) : status; /* the demo's hand */
+    return status == TIDES_OK ? handheld_camera(s, 1.5, 0.012, 0.006, error) : status; /* the demo's shake */
 }
 
 static tides_status make_handheld(bench_scene *s, tides_error *error) {
@@ -79,8 +79,8 @@ static tides_status make_nearly_static(bench_scene *s, tides_error *error) {
 
 /* -- what comes back within a step ------------------------------------------------------------------------------------- */
 
-/* A ball of which 2 px are 100 Hz and half a pixel 200 Hz, and a camera at 200 Hz and at a frequency that no step is a multiple
- * of: but for that, all is where it was, and as fast, after each 10 ms. */
+/* A ball that swings by 2 px at 100 Hz and by half a pixel at 200 Hz, and a camera at 200 Hz and at a frequency that isn't a
+ * multiple of the step's. Without the latter all would be in the same state after each 10 ms. */
 static tides_status make_vibration(bench_scene *s, tides_error *error) {
     const double pixel = 1 / pixels_per_metre(s);
     const bench_vibration ball = {.centre = {0, 0.1, 0},
@@ -98,7 +98,7 @@ static tides_status make_vibration(bench_scene *s, tides_error *error) {
     return status == TIDES_OK ? bench_vibrating_path(&camera, s->stop + SLACK_S, &s->camera, error) : status;
 }
 
-/* Two planes side by side, the left one by a lamp on mains at 100 Hz, the right one by LEDs at 1 kHz. */
+/* Two planes side by side, the left one under a lamp on mains at 100 Hz, the right one under LEDs at 1 kHz. */
 static tides_status make_flicker(bench_scene *s, tides_error *error) {
     const bench_lamp mains = {.centre = {-0.75, 0.1, 0}, .scale = 0.55, .gaussians = 1200, .hz = 100, .depth = 0.5};
     const bench_lamp leds = {.centre = {0.75, 0.1, 0}, .scale = 0.55, .gaussians = 1200, .hz = 1000, .depth = 0.3};
@@ -120,7 +120,7 @@ static double quantile(float *values, size_t count, double share) {
     return values[(size_t)(share * (double)(count - 1))];
 }
 
-/* Where a trained object is, by ranks: floaters far out don't count. */
+/* Centre and radius of a trained object, by ranks of its splats: distant floaters don't count. */
 static tides_status find_object(const tides_scene *scene, double centre[3], double *radius, tides_error *error) {
     tides_object object;
     tides_status status = tides_scene_object(scene, 0, &object, error);
@@ -141,7 +141,7 @@ static tides_status find_object(const tides_scene *scene, double centre[3], doub
     return TIDES_OK;
 }
 
-/* In orbit at 6 rad/s (DESIGN 3.1), so far away that the object fills the view. */
+/* An orbit at 6 rad/s, at a distance from which the object fills the view. */
 static tides_status orbit_camera(bench_scene *s, tides_error *error) {
     tides_orbit orbit = {.up = {0, -1, 0}, .angular_speed = 6.0, .start = 0, .stop = s->stop + SLACK_S};
     double radius = 1;
@@ -152,8 +152,8 @@ static tides_status orbit_camera(bench_scene *s, tides_error *error) {
     return tides_trajectory_create_orbit(&orbit, &s->camera, error);
 }
 
-/* Number of Gaussians above which a file's run is a third as long. Its exact stream comes from the reference in double, and
- * takes 100 s of a processor where there are 90 000. */
+/* Number of Gaussians above which a file's run is a third as long: the exact stream comes from the double reference, and takes
+ * 100 s of a processor for 90 000. */
 #define LARGE_SCENE 50000
 #define LARGE_SCENE_STOP_S 0.002
 
@@ -165,8 +165,8 @@ static tides_status make_trained(bench_scene *s, const char *file, tides_error *
 
 /* -- the table ------------------------------------------------------------------------------------------------------------- */
 
-/* Under error control each macro step in which something moves is looked into, so that its steps are half as long at most.
- * Macro steps are a run file's default, 10 ms, or the whole run. */
+/* Error control cuts each macro step in which something moves, so that steps are at most half of it. Macro steps are a run
+ * file's default, 10 ms, or the whole run. */
 static const recipe recipes[] = {
     {"fan", "a textured fan before a room, handheld camera", make_fan, NULL, 240, 180, 0.005, 0.005, 0, 0},
     {"handheld", "a textured room at rest, handheld camera", make_handheld, NULL, 240, 180, 0.005, 0.005, 0, 0},

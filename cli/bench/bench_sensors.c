@@ -1,5 +1,5 @@
-/* tides bench sensors: what a run takes with the sensors that people own, against the ideal one: the demo's world, its first 50
- * ms, by the run file's default stepping. Other than in bench blocks, steps are what each sensor asks for. */
+/* tides bench sensors: run time with presets of real sensors against the ideal one, in the first 50 ms of the demo's world,
+ * with the run file's default stepping. Unlike in bench blocks, steps are those that each sensor needs. */
 #include "bench.h"
 #include "bench_worlds.h"
 
@@ -9,7 +9,7 @@
 
 #define LENGTH_S 0.05
 #define LENGTH_QUICK_S 0.003
-#define LOG_EPS 0.01 /* the demo's */
+#define LOG_EPS 0.01 /* that of the demo's run */
 
 /* The sensors. Noise and surround have the sizes of bench blocks. */
 static const bench_case sensors[] = {

@@ -1,16 +1,16 @@
 /* tides bench stability: rows made to break the simulator, with a verdict on each.
  *
- * A row is a world of its own (bench_stability_*.c), made small; it is rendered and simulated on the device, in the float
- * reference, whose bits the device must have, and in the double reference, which the errors are measured against, with the
- * same steps allowed. Its run time is held against an ordinary world of as many pixels, splats and steps. Worlds that single
- * precision can't hold must be refused, with the line that the row names. */
+ * A row is a small world of its own. It is rendered and simulated on the device, in the float reference, whose bits the device
+ * must match, and in the double reference with the same steps allowed, against which errors are measured. Its run time is
+ * compared with that of an ordinary world of as many pixels, splats and steps. Worlds that single precision can't hold must be
+ * refused, with the message that the row names. */
 #include "bench_stability.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A row that takes longer has no end [s]: the slowest that pass take a third of it on two cores, and the big ones too. */
+/* [s] A row that takes longer is taken to hang: the slowest that pass take a third of it on two cores. */
 #define LIMIT_S 120.0
 #define BIG_LIMIT_S 1200.0
 
@@ -26,7 +26,7 @@ static void measure(void *user, void *result) {
 
 /* -- rows ------------------------------------------------------------------------------------------------------------------ */
 
-/* The rows called for, or all. */
+/* Chooses the named rows, or all; returns their number. */
 static size_t choose(const bench *b, const cli_list *names, stability_row *rows) {
     size_t count = 0;
     for (size_t i = 0; i < names->count; i++) rows[count++].of = stability_find(names->items[i]);
@@ -59,16 +59,16 @@ static void say_row(const bench *b, const stability_row *row, size_t index, size
 static tides_status measure_row(bench *b, stability_row *row, tides_error *error) {
     job j = {b, row->of};
     stability_result *r = &row->result;
-    int32_t how, signal;
+    bench_ending ending;
     const double began = cli_now();
     tides_status status =
-        bench_child(b, measure, &j, r, sizeof *r, row->of->flags & STABILITY_BIG ? BIG_LIMIT_S : LIMIT_S, &how, &signal, error);
+        bench_child(b, measure, &j, r, sizeof *r, row->of->flags & STABILITY_BIG ? BIG_LIMIT_S : LIMIT_S, &ending, error);
     if (status != TIDES_OK) return status;
-    if (how == BENCH_STOPPED || (how == BENCH_RAN && r->how == BENCH_STOPPED)) return TIDES_CANCELLED;
-    if (how != BENCH_RAN) {
+    if (ending.how == BENCH_STOPPED || (ending.how == BENCH_RAN && r->how == BENCH_STOPPED)) return TIDES_CANCELLED;
+    if (ending.how != BENCH_RAN) {
         memset(r, 0, sizeof *r);
-        r->how = how;
-        r->signal = signal;
+        r->how = ending.how;
+        r->signal = ending.signal;
         r->elapsed_s = cli_now() - began;
     }
     row->verdict = stability_judge(row->of, r);

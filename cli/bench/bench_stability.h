@@ -7,7 +7,7 @@
 
 /* -- rows (bench_stability_rows.c) ------------------------------------------------------------------------------------ */
 
-/* World of a row: a scene and camera, and the stepping, which a row may choose too. */
+/* World of a row: a scene, a camera, and the stepping. */
 typedef struct stability_world {
     bench_scene scene;
     tides_stepping stepping;
@@ -17,35 +17,35 @@ typedef struct stability_case stability_case;
 typedef tides_status (*stability_maker)(const stability_case *c, stability_world *w, tides_error *error);
 
 enum {
-    STABILITY_BIG = 1,        /* not with --quick, unless it is named */
-    STABILITY_IMAGE_ONLY = 2, /* the references render it; simulating it takes them too long */
+    STABILITY_BIG = 1,        /* not with --quick, unless named */
+    STABILITY_IMAGE_ONLY = 2, /* the references only render it; they simulate too slowly */
     STABILITY_ALONE = 4       /* without the references */
 };
 
 struct stability_case {
     const char *name, *sentence;
     stability_maker make;
-    int32_t kind;        /* which of the maker's worlds, */
-    double size;         /* and how extreme */
-    const char *refusal; /* the row must be refused with a line that holds this */
+    int32_t kind;        /* number of the world within its group */
+    double size;         /* how extreme it is */
+    const char *refusal; /* the row must be refused with a message that contains this */
     int32_t flags;
-    int32_t parts; /* of exact events (BENCH_SOLVED ..) that the row has; 0: what the library's defaults are */
+    int32_t parts; /* parts of exact events (BENCH_SOLVED ..) that the row has; 0: the library's defaults */
     struct {
         double L, L_dot, dt_us, mismatch_percent, slow, memory; /* 0: the default */
         const char *because;
-    } bound; /* of its own */
+    } bound; /* bounds of the row's own */
 };
 
 extern const stability_case *const stability_groups[]; /* NULL-terminated lists, each ends with a NULL name */
 
-/* The case called `name`, or NULL; and the names, NULL-terminated, allocated. */
+/* The case called `name`, or NULL. _names: all names, NULL-terminated, allocated. */
 const stability_case *stability_find(const char *name);
 const char *const *stability_names(void);
 
 /* -- worlds (bench_stability_world.c) --------------------------------------------------------------------------------- */
 
-/* Numbers that the rows are made of have few digits or come from a counter, and scales and opacities are powers of ten: scenes
- * are the same on every machine. */
+/* Numbers of rows have few digits or come from a counter, and scales and opacities are powers of ten, so that scenes are equal
+ * on every machine. */
 double stability_random(uint64_t *state); /* in [0, 1), a multiple of 2^-32 */
 double stability_between(uint64_t *state, double low, double high);
 
@@ -57,10 +57,10 @@ typedef struct stability_splat {
     double decades[3]; /* log10 of the scales */
     double quaternion[4];
     double logit;
-    double sh; /* of the constant band, grey */
+    double sh; /* constant band, grey */
 } stability_splat;
 
-/* Splats as they are added; a failure is reported at the end. */
+/* Splats as they are added; a failure is reported by stability_put. */
 typedef struct stability_pile {
     float *log_scale, *quaternion, *logit, *sh;
     double *mean;
@@ -74,22 +74,22 @@ void stability_free(stability_pile *pile);
 /* Adds the pile to the world, moved by `path` (nullable), and frees it. */
 tides_status stability_put(stability_pile *pile, stability_world *w, const tides_trajectory *path, tides_error *error);
 
-/* An ordinary splat somewhere in the view of a camera at the origin, 4 to 6 away. */
+/* An ordinary splat in the view of a camera at the origin, 4 to 6 scene units away. */
 stability_splat stability_ordinary(uint64_t *state);
-void stability_backdrop(stability_pile *pile, size_t count); /* so many, always the same */
-/* `across` x `down` splats side by side at depth z over the whole view, each `wide` spacings wide, grey at random. */
+void stability_backdrop(stability_pile *pile, size_t count); /* adds so many splats, always the same */
+/* Adds a grid of `across` x `down` splats at depth z over the whole view. Each is `wide` spacings wide, with a random grey. */
 void stability_wall(stability_pile *pile, const stability_world *w, int32_t across, int32_t down, double z, double wide);
 
-/* A steady path over the world's time, and a little beyond: from `from` [scene units] with `velocity` [1/s], turning about y by
- * 2 atan(turn t). */
+/* A steady path over the world's time, and a little beyond: from `from` [scene units] with `velocity` [scene units/s], turning
+ * about y by 2 atan(turn t). */
 typedef struct stability_slide {
     double from[3], velocity[3], turn;
 } stability_slide;
 tides_status stability_path(const stability_world *w, const stability_slide *slide, tides_trajectory **path,
                             tides_error *error);
-#define STABILITY_SPEED 8.0 /* [1/s] of the camera where a row doesn't say: 100 px/s at the backdrop */
+#define STABILITY_SPEED 8.0 /* [scene units/s] of the camera unless a row says otherwise: 100 px/s at the backdrop */
 
-/* The row's world; and an ordinary one with as many pixels, splats and steps. */
+/* _make: the row's world. _benign: an ordinary one with as many pixels, splats and steps. */
 tides_status stability_make(const stability_case *c, stability_world *w, tides_error *error);
 tides_status stability_make_benign(const stability_world *like, stability_world *w, tides_error *error);
 
@@ -153,18 +153,18 @@ tides_status stability_front_ends(const stability_case *c, stability_world *w, t
 
 /* -- measuring (bench_stability_run.c, in a process of bench_child.c) ------------------------------------------------- */
 
-/* Plain numbers: it comes through a pipe. */
+/* Sent through a pipe, so that it has no pointers. */
 typedef struct stability_result {
     int32_t how; /* BENCH_RAN .. BENCH_LATE */
     int32_t signal;
-    int32_t same_bits;           /* of device and float reference: 1, 0, or -1 where that isn't asked */
-    int32_t rendered, simulated; /* 1: the double reference did so too */
+    int32_t same_bits;           /* device against float reference: 1, 0, or -1 where it isn't compared */
+    int32_t rendered, simulated; /* 1: by the double reference too */
     int64_t gaussians, pixels;
-    char said[sizeof((tides_error *)0)->text]; /* why it was refused */
-    double L, L_dot;                           /* of the float image against the double one; the latter over the largest rate */
-    tides_match match;                         /* of the device's events against the double reference's */
-    tides_stats stats, exact;                  /* of both */
-    double run_time_s, benign_s, exact_s;      /* best of some runs; of the processor where the device is one */
+    char said[sizeof((tides_error *)0)->text]; /* the message of a refusal */
+    double L, L_dot;                      /* errors of the float image against the double one; L_dot over the largest rate */
+    tides_match match;                    /* of the device's events against the double reference's */
+    tides_stats stats, exact;             /* of the device's run, and of the double reference's */
+    double run_time_s, benign_s, exact_s; /* least of some runs; of processor time where the device is a processor */
     double elapsed_s;
     uint64_t peak_bytes; /* of the process when the device's run ended */
 } stability_result;
@@ -178,9 +178,9 @@ enum { VERDICT_L, VERDICT_L_DOT, VERDICT_DT, VERDICT_MISMATCH, VERDICT_CUT, VERD
 typedef struct stability_verdict {
     double measured[VERDICTS], bound[VERDICTS]; /* NaN: not measured */
     int32_t pass, reserved;
-    char why[512]; /* what fails, or what a pass rests on; "" */
+    char why[512]; /* why it fails, or a remark on a pass; "" for neither */
 } stability_verdict;
-/* Names and units of what is judged, and in a sentence the default bounds with their reasons. */
+/* Names and units of the judged values, and a sentence with the default bounds and their reasons. */
 typedef struct stability_measured {
     const char *name, *unit, *bound;
 } stability_measured;

@@ -1,4 +1,4 @@
-/* The picture of `tides bench stability`: a line for each row, and on it how much of each bound it uses. */
+/* The picture of `tides bench stability`: a line for each row, with the share of each bound that it uses. */
 #include "bench_stability.h"
 #include "plot.h"
 
@@ -7,7 +7,7 @@
 
 enum { LABEL = 330, PLOT = 520, COLUMN = LABEL + PLOT + 60, HEADING = 44, TOP = 60, PITCH = 22, BOTTOM = 100 /* [px] */ };
 enum { ROWS_MAX = 60 /* in a column */ };
-/* Shares below are drawn at the left edge, beyond at the right one. */
+/* Shares below this are drawn at the left edge, those above 1 at the right edge. */
 #define LEAST_SHARE 1e-4
 #define MOST_SHARE 1e2
 

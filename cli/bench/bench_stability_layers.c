@@ -5,7 +5,7 @@
 
 enum { SEED = 14142 };
 
-/* `count` splats in one line of sight, a pixel wide, `apart` from each other in depth. */
+/* Adds `count` splats in one line of sight, a pixel wide, `apart` from each other in depth. */
 static void add_layers(stability_pile *pile, int32_t count, double apart) {
     uint64_t state = SEED;
     for (int32_t i = 0; i < count; i++) {
@@ -13,7 +13,7 @@ static void add_layers(stability_pile *pile, int32_t count, double apart) {
         s.mean[2] = 5 + apart * i;
         s.mean[0] = s.mean[2] * stability_between(&state, -0.01, 0.01);
         s.mean[1] = s.mean[2] * stability_between(&state, -0.01, 0.01);
-        s.logit = -5; /* five thousand of them together let e^-33 through */
+        s.logit = -5; /* five thousand of them together have a transmittance of e^-33 */
         s.sh = stability_between(&state, -1.5, 1.5);
         stability_add(pile, &s);
     }
@@ -23,13 +23,13 @@ static void add_layers(stability_pile *pile, int32_t count, double apart) {
 typedef struct sheet {
     double centre[3], along[3], edge;
     int32_t side;
-    double logit, wide; /* splats are about so many spacings wide; 0: one */
+    double logit, wide; /* width of splats in spacings; 0: 1 */
 } sheet;
 
 static void add_sheet(stability_pile *pile, const sheet *of, uint64_t *state) {
     const double pitch = of->edge / of->side, middle = 0.5 * (of->side - 1);
     double decades = 0, power = 1;
-    while (power > 1.2 * pitch * (of->wide > 0 ? of->wide : 1)) power *= 0.7943282347242815, decades -= 0.1; /* tenths of one */
+    while (power > 1.2 * pitch * (of->wide > 0 ? of->wide : 1)) power *= 0.7943282347242815, decades -= 0.1; /* by 10^-0.1 */
     for (int32_t i = 0; i < of->side * of->side; i++) {
         const int32_t column = i % of->side, row = i / of->side;
         const double u = pitch * (column - middle), v = pitch * (row - middle);
@@ -40,9 +40,9 @@ static void add_sheet(stability_pile *pile, const sheet *of, uint64_t *state) {
     }
 }
 
-/* Twenty by twenty splats in the plane of an object that turns about the vertical and faces the camera in the middle: there
- * every depth is the same, and their order is reversed. Or that spins about its normal (`axis` of the quaternion 3 instead of
- * 2), so that every depth is the same but for rounding. */
+/* Twenty by twenty splats in the plane of an object. It turns about the vertical, and faces the camera halfway: there all
+ * depths are equal, and their order reverses. With `axis` 3 of the quaternion in place of 2 it turns about its normal, so that
+ * all depths are equal except for rounding. */
 static tides_status put_turning(stability_pile *pile, stability_world *w, int32_t axis, double wide, tides_error *error) {
     const sheet facing = {.along = {1, 0, 0}, .edge = 3, .side = 20, .logit = 2, .wide = wide};
     stability_slide slide = {.from = {0, 0, 5}, .turn = 5};
@@ -64,7 +64,7 @@ static tides_status put_turning(stability_pile *pile, stability_world *w, int32_
     return status;
 }
 
-/* A sheet that another one of as many splats flies through from front to back within the run. */
+/* A sheet, and another of as many splats that flies through it from front to back within the run. */
 static tides_status put_swapping(stability_pile *pile, stability_world *w, tides_error *error) {
     const sheet still = {.centre = {0, 0, 5}, .along = {1, 0, 0}, .edge = 4, .side = 12, .logit = 0};
     const sheet flies = {.along = {1, 0, 0}, .edge = 4, .side = 12, .logit = 0};
@@ -82,7 +82,7 @@ static tides_status put_swapping(stability_pile *pile, stability_world *w, tides
     return status;
 }
 
-/* `per_pixel` splats of an opaque surface that lies aslant over the whole view have their centres in each pixel. */
+/* An opaque surface at an angle over the whole view, with the centres of `per_pixel` splats in each pixel. */
 static void add_surface(stability_pile *pile, stability_world *w, double per_pixel) {
     tides_intrinsics *camera = &w->scene.intrinsics;
     camera->width = 32;

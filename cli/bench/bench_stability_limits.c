@@ -10,7 +10,7 @@ static void set_sensor(stability_world *w, int32_t width, int32_t height) {
     w->scene.intrinsics = (tides_intrinsics){width, height, 0.9375 * width, 0.9375 * width, 0.5 * width, 0.5 * height, {0}};
 }
 
-/* Small splats, all over the view and behind each other. */
+/* Adds small splats all over the view, and behind each other. */
 static void add_cloud(stability_pile *pile, int64_t count) {
     uint64_t state = SEED;
     for (int64_t i = 0; i < count; i++) {
@@ -24,8 +24,8 @@ static void add_cloud(stability_pile *pile, int64_t count) {
     }
 }
 
-/* A lamp: one splat over the whole view whose colour goes up and down between 0 and 1, `swings` times, by keyframes. Under a
- * threshold of `swing` / 500 that is as many events a pixel, up and down. */
+/* A lamp: one splat over the whole view, whose colour goes up and down between 0 and 1 `swings` times, by keyframes. With a
+ * threshold of `swing` / 500 each pixel has so many events up and down. */
 static tides_status flicker(stability_world *w, double swings, tides_error *error) {
     enum { KEYS_MAX = 128 };
     double time[KEYS_MAX];
@@ -68,7 +68,7 @@ tides_status stability_limits(const stability_case *c, stability_world *w, tides
     stability_pile pile = {.count = 0};
     switch (c->kind) {
         case LIMIT_THRESHOLD: w->scene.sensor.max_events_per_step = 65535; /* fall through */
-        case LIMIT_CAPPED:                                                 /* fewer pixels where each fires the more */
+        case LIMIT_CAPPED:                                                 /* fewer pixels where each has more events */
             w->scene.sensor.threshold_on = w->scene.sensor.threshold_off = c->size;
             if (c->size > 0 && c->size < 0.01) set_sensor(w, 16, 12);
             break;
@@ -77,7 +77,7 @@ tides_status stability_limits(const stability_case *c, stability_world *w, tides
         case LIMIT_SENSOR_7X3: set_sensor(w, 7, 3); break;
         case LIMIT_SENSOR_SQUARE:
             set_sensor(w, (int32_t)c->size, (int32_t)c->size);
-            w->scene.stop = 0.001; /* a dozen pixels' way */
+            w->scene.stop = 0.001; /* the time in which an edge moves a dozen pixels */
             break;
         case LIMIT_GAUSSIANS:
             add_cloud(&pile, (int64_t)c->size);
@@ -116,7 +116,7 @@ tides_status stability_front_ends(const stability_case *c, stability_world *w, t
         case FRONT_NOISE:
             s->noise_rms = 0.05;
             s->noise_cutoff_hz = c->size;
-            if (c->size > 1e6) { /* noise is drawn anew each 1 / (2 pi corner): a short run of few pixels */
+            if (c->size > 1e6) { /* noise is drawn each 1 / (2 pi corner): a short run of few pixels */
                 w->scene.stop = 1e-4;
                 set_sensor(w, 16, 12);
             }

@@ -1,5 +1,5 @@
-/* Rows of `tides bench stability` about Gaussians that move by themselves: keyframes whose quaternions flip or that lie a
- * microsecond apart, and networks with huge weights. */
+/* Rows of `tides bench stability` about Gaussians that move by themselves: keyframes whose quaternions change sign or that are
+ * a microsecond apart, and networks with huge weights. */
 #include "bench_stability.h"
 
 #include <math.h>
@@ -24,8 +24,8 @@ typedef struct keys {
     float quaternion[KEYS * COUNT * 4];
 } keys;
 
-/* Drifting means; quaternions that turn a little, and change sign from key to key where `flip`. Key CLOSE is hardly later than
- * the one before it, and so hardly further: frames that a capture wrote twice. */
+/* Keys with drifting means, and quaternions that turn a little and change sign from key to key where `flip`. Key CLOSE is only
+ * `close` later than the one before it, like a frame that a capture wrote twice. */
 static void set_keys(keys *k, const stability_pile *pile, int32_t flip, double close) {
     uint64_t state = SEED;
     for (size_t f = 0; f < KEYS; f++) {
@@ -67,7 +67,7 @@ static tides_status keyframes(const stability_case *c, stability_world *w, tides
 
 /* -- networks ------------------------------------------------------------------------------------------------------------ */
 
-/* SpacetimeGaussians' full model: two layers of weights up to `size` make each pixel's colour. */
+/* SpacetimeGaussians' full model: a network of two layers, with weights up to `size`, makes each pixel's colour. */
 static tides_status decoder(double size, stability_world *w, tides_error *error) {
     static const float zero[9 * COUNT];
     float feature[6 * COUNT], rate[3 * COUNT], wide[COUNT], first[72], second[18];
@@ -96,9 +96,8 @@ static tides_status decoder(double size, stability_world *w, tides_error *error)
     return put_moving(&pile, motion, w, error);
 }
 
-/* A deformation network: time through a hidden layer that is cut at 0, a second one that adds it up, and x / (1 + |x|), with
- * weights between +-size and the knees spread over a second around the run. So it has kinks, and turns over within
- * microseconds. */
+/* A deformation network of time: a hidden layer with ReLU, a second one that sums it, and x / (1 + |x|). Weights are within
+ * +-size, and kinks spread over a second around the run. So it has kinks, and turns within microseconds. */
 enum { HIDDEN = 16 };
 typedef struct network {
     double in[HIDDEN], knee[HIDDEN], out[3][HIDDEN];
@@ -121,7 +120,7 @@ static tides_status bend(void *user, double time, int32_t side, const int32_t *i
     (void)error;
     for (int64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++) {
-            double x = 0.1 * index[i], rate = 0; /* each Gaussian has its own bias */
+            double x = 0.1 * index[i], rate = 0; /* Gaussians differ by a bias */
             for (int j = 0; j < HIDDEN; j++) {
                 const double since = time - n->knee[j], hidden = n->in[j] * since;
                 if (hidden > 0 || (hidden == 0 && side * n->in[j] > 0)) {
@@ -137,7 +136,7 @@ static tides_status bend(void *user, double time, int32_t side, const int32_t *i
 }
 
 static tides_status deformation(double size, stability_world *w, tides_error *error) {
-    static network thousand; /* the motion's, which ends with the process */
+    static network thousand; /* used by the motion until the process ends */
     stability_pile pile = {.count = 0};
     tides_motion *motion = NULL;
     thousand = network_of(size);

@@ -1,4 +1,4 @@
-/* Rows of `tides bench stability` about where and when: far coordinates, late starts, fast, shaking and jumping cameras. */
+/* Rows of `tides bench stability` about places and times: far coordinates, late starts, fast, shaking and jumping cameras. */
 #include "bench_stability.h"
 
 #include <stdlib.h>
@@ -6,8 +6,8 @@
 
 enum { BACKDROP = 100 };
 
-/* The backdrop with its means `offset` away, and the camera there too. Offsets are whole numbers, which doubles hold exactly
- * with what the means have of binary digits up to 1e7. */
+/* The backdrop with means `offset` away, and the camera there too. Offsets are whole numbers up to 1e7, to which doubles add
+ * the means' binary digits exactly. */
 static tides_status far_means(stability_world *w, double offset, tides_error *error) {
     stability_pile pile = {.count = 0};
     const double place[3] = {offset, -offset, offset};
@@ -18,7 +18,7 @@ static tides_status far_means(stability_world *w, double offset, tides_error *er
     return status == TIDES_OK ? stability_path(w, &slide, &w->scene.camera, error) : status;
 }
 
-/* The backdrop, moved `offset` away by its object's path, and the camera there too. */
+/* The backdrop, moved by its object's path to `offset`, and the camera there too. */
 static tides_status far_object(stability_world *w, double offset, tides_error *error) {
     static const double not_turned[4] = {1, 0, 0, 0};
     stability_pile pile = {.count = 0};
@@ -40,7 +40,7 @@ static tides_status put_backdrop(stability_world *w, tides_error *error) {
     return stability_put(&pile, w, NULL, error);
 }
 
-/* Two hundred microseconds in steps of one, so fast that there is something to see. */
+/* A run of two hundred microseconds in steps of one, with a camera so fast that there are events. */
 static tides_status late_start(stability_world *w, double start, tides_error *error) {
     static const stability_slide fast = {.velocity = {100 * STABILITY_SPEED, 100, 0}, .turn = 50};
     w->scene.start = start;
@@ -51,17 +51,17 @@ static tides_status late_start(stability_world *w, double start, tides_error *er
     return status == TIDES_OK ? stability_path(w, &fast, &w->scene.camera, error) : status;
 }
 
-/* So many pixels a second at the middle of the backdrop, for a crossing of the view or the whole run. */
+/* The camera's speed in pixels per second at the middle of the backdrop, for a crossing of the view or the whole run. */
 static tides_status speed(stability_world *w, double pixels_per_s, tides_error *error) {
     const double depth = 5, across = pixels_per_s * depth / w->scene.intrinsics.fx;
     const stability_slide slide = {.from = {-2, 0, 0}, .velocity = {across, 0, 0}};
-    const double crossing = 4 / across; /* from two to the left of the middle to two to the right */
+    const double crossing = 4 / across; /* from 2 scene units left of the middle to 2 right of it */
     if (crossing < w->scene.stop) w->scene.stop = crossing;
     const tides_status status = put_backdrop(w, error);
     return status == TIDES_OK ? stability_path(w, &slide, &w->scene.camera, error) : status;
 }
 
-/* To and fro along x and y by `amplitude` at `hz`, eight samples of the sine a period. */
+/* A camera that swings along x and y by `amplitude` at `hz`, with eight samples per period. */
 static tides_status shake(stability_world *w, double hz, double amplitude, tides_error *error) {
     static const double sine[8] = {0, 0.70710678118654752,  1,  0.70710678118654752,
                                    0, -0.70710678118654752, -1, -0.70710678118654752};
@@ -80,7 +80,8 @@ static tides_status shake(stability_world *w, double hz, double amplitude, tides
     return status;
 }
 
-/* Steady, but for a leap in the middle that takes `within` seconds; with `far` 0 only two samples as near each other. */
+/* A steady path with a leap in the middle, which takes `within` seconds. With `far` 0 there is no leap, only two samples that
+ * near each other. */
 static tides_status leap(stability_world *w, double within, double far, tides_error *error) {
     enum { SAMPLES = 6 };
     static const double shares[SAMPLES] = {0, 0.25, 0.5, 0.5, 0.75, 1};

@@ -1,10 +1,10 @@
-/* The rows of `tides bench stability`. A bound of a row's own stands with its reason. */
+/* The rows of `tides bench stability`. A row with bounds of its own gives their reason. */
 #include "bench_stability.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Which maker's world, and how extreme. */
+/* Sets the maker, the kind of world, and how extreme it is. */
 #define SHAPES(what, how) .make = stability_shapes, .kind = (what), .size = (how)
 #define LAYERS(what, how) .make = stability_layers, .kind = (what), .size = (how)
 #define PLACES(what, how) .make = stability_places, .kind = (what), .size = (how)
@@ -302,7 +302,7 @@ static const stability_case front_ends[] =
      {.name = "psf-20", .sentence = "a PSF of half the view", FRONT_ENDS(FRONT_PSF, 20)},
      {.name = NULL}};
 
-/* Rows above once more, with all parts of exact events. A device without double precision is refused by name. */
+/* Rows from above, with all parts of exact events. A device without double precision must refuse them. */
 #define EXACT .parts = BENCH_TOGETHER
 
 static const stability_case exact[] =

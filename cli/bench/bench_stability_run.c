@@ -1,24 +1,24 @@
-/* One row of `tides bench stability`, measured: the device beside an ordinary world, then the float reference, which must have
- * its bits, and the double reference, which is the truth about rounding. */
+/* Measures one row of `tides bench stability`: the device beside an ordinary world, then the float reference, whose bits the
+ * device must match, and the double reference, against which rounding is measured. */
 #include "bench_stability.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Short runs are repeated for their best time, which other work on the machine disturbs the less; longer ones once, since in
- * the first PoCL may build a kernel as it is launched (a second, where its cache is empty), unless that would hardly count. */
+/* The least time of several runs counts, which other load of the machine affects less. Runs below LONG_RUN_S are repeated once,
+ * because in the first one PoCL may build kernels (a second, with an empty cache). Those below SHORT_RUN_S have RUNS runs. */
 enum { FRAMES = 5, RUNS = 3 };
 #define SHORT_RUN_S 0.2
 #define LONG_RUN_S 5
 
-static const double frame_shares[FRAMES] = {0, 0.13, 0.5, 0.77, 1}; /* of the run, its ends among them */
+static const double frame_shares[FRAMES] = {0, 0.13, 0.5, 0.77, 1}; /* of the run, ends included */
 
 /* Results of a world on a device. */
 typedef struct outcome {
     cli_stream stream;
     bench_row row;
-    double seconds; /* the best time of its runs */
+    double seconds; /* the least time of its runs */
     double *planes; /* L, L_dot of each frame */
 } outcome;
 
@@ -49,12 +49,12 @@ static tides_status render(const bench *b, const stability_world *w, outcome *o,
     return status;
 }
 
-/* Whether a run takes the processor's time, in which nothing else on the machine counts. */
+/* 1 where the device computes on this processor: then processor time is measured, which other load doesn't affect. */
 static int32_t computes_here(const bench *b) {
     return b->info.kind == TIDES_DEVICE_CPU || b->info.kind == TIDES_DEVICE_REFERENCE;
 }
 
-/* Events are kept only where they are compared: else they would be what takes the memory. */
+/* Simulates. Events are kept only where they are compared, since they would dominate the memory measured. */
 static tides_status simulate(bench *b, const stability_world *w, int runs, int32_t keep, outcome *o, tides_error *error) {
     const bench_scene *s = &w->scene;
     cli_stream *stream = keep ? &o->stream : NULL;
@@ -67,7 +67,7 @@ static tides_status simulate(bench *b, const stability_world *w, int runs, int32
     return status;
 }
 
-/* Events first: the memory that they took is then known without the frames. */
+/* Runs a world on a device: events before frames, so that memory is measured without the frames. */
 static tides_status run_on(const bench *b, const char *device, const stability_world *w, int32_t flags, outcome *o,
                            tides_error *error) {
     bench on = *b;
@@ -111,7 +111,7 @@ static int32_t same_bits(const stability_world *w, const outcome *a, const outco
     return !b->row.runs || same_events(&a->stream, &b->stream);
 }
 
-/* The worst of L, and of L_dot over the largest rate in its frame (or 1/s, where there is less). */
+/* The worst error of L, and of L_dot over the largest rate in its frame (or 1/s, if that is larger). */
 static void compare_images(const stability_world *w, const outcome *a, const outcome *exact, stability_result *r) {
     const size_t pixels = plane_size(w);
     for (size_t f = 0; f < FRAMES; f++) {

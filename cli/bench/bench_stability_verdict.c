@@ -1,30 +1,33 @@
-/* Bounds that a row of `tides bench stability` must keep, and the verdict on them. */
+/* The bounds that a row of `tides bench stability` must keep, and the verdict on it. */
 #include "bench_stability.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A hundredth of the default threshold is what error control lets S be off; single precision may use up a tenth of that. */
+/* Greatest error of L: error control allows S a hundredth of the default threshold, and single precision may use a tenth of
+ * that. */
 #define BOUND_L 2e-4
-/* Rates are sums of what rounding leaves of the same terms, each with a few more factors. */
+/* Greatest error of L_dot: rates are sums of the same rounded terms as L, each with a few more factors. */
 #define BOUND_L_DOT 1e-3
-/* Beyond what both runs say of their own errors: the unit of event times; and however large that is, this [us]. */
+/* [us] Errors of event times beyond those that both runs estimate: the unit of event times, and an absolute bound. */
 #define UNIT_US 1e-3
 #define BOUND_DT_US 50.0
-/* Beyond what both runs call uncertain: a thousandth of the events, of no fewer than a thousand; and no more than this [%]. */
+/* [%] Unmatched events beyond those that both runs call uncertain: a thousandth of the events, but at least one; and an
+ * absolute bound. */
 #define BOUND_MISMATCH 0.1
 #define BOUND_MISMATCH_MOST 5.0
 #define LEAST_EVENTS 1000.0
-/* Events that lose their times to max_events_per_step [%]. */
+/* [%] Events that lose their times to max_events_per_step. */
 #define BOUND_CUT 0.1
-/* Times the ordinary run; one shorter than SHORT_S can't be told from a few milliseconds of something else. */
+/* Greatest ratio to the ordinary world's run time. An ordinary run shorter than SHORT_S [s] counts as SHORT_S, because
+ * other load can add a few milliseconds to a run. */
 #define BOUND_SLOW 20.0
 #define SHORT_S 5e-3
-/* A gigabyte plus the scene. Its arrays are kept twice, by the scene and by the device; splats that are projected have
- * a record, and keys to sort, for each tile that they touch. */
+/* [bytes] A gigabyte plus the scene. The scene's arrays are stored twice, by the scene and on the device. Projected splats have
+ * a record and sort keys for each tile that they touch. */
 #define BOUND_MEMORY 1e9
 #define BYTES_PER_GAUSSIAN 500.0
-/* A pixel has its state, its thresholds and the signal at both ends of a step. */
+/* [bytes] A pixel has its state, thresholds, and the signal at both ends of a step. */
 #define BYTES_PER_PIXEL 120.0
 
 const stability_measured stability_measures[VERDICTS] = {
@@ -71,7 +74,7 @@ static void own_bounds(const stability_case *c, const double d[VERDICTS], double
     for (int i = 0; i < VERDICTS; i++) bound[i] = or_default(own[i], d[i]);
 }
 
-/* Appends to `why`, after a semicolon where there is something before. */
+/* Appends to `why`, after a semicolon if it isn't empty. */
 static void add(stability_verdict *v, const char *text) {
     const size_t used = strlen(v->why);
     snprintf(v->why + used, sizeof v->why - used, "%s%s", used ? "; " : "", text);
@@ -99,7 +102,7 @@ static void judge_numbers(const stability_case *c, const stability_result *r, st
     if (v->pass && wider) add(v, c->bound.because);
 }
 
-/* A row that should be refused must say so in one line, on the device as in the float reference. */
+/* A row that must be refused must give the reason in one line, on the device and in the float reference. */
 static void judge_refusal(const stability_case *c, const stability_result *r, stability_verdict *v) {
     v->pass = r->how == BENCH_REFUSED && c->refusal && strstr(r->said, c->refusal) && !strchr(r->said, '\n');
     if (r->how != BENCH_REFUSED)

@@ -1,5 +1,5 @@
-/* Parts of the rows of `tides bench stability`: splats one by one, a camera's path, and the ordinary world that run times are
- * held against. Nothing here calls libm, so that scenes are the same everywhere. */
+/* Parts of the rows of `tides bench stability`: single splats, a camera's path, and the ordinary world with which run times are
+ * compared. Nothing here calls libm, so that scenes are equal on all machines. */
 #include "bench_stability.h"
 
 #include <stdlib.h>
@@ -89,7 +89,7 @@ tides_status stability_put(stability_pile *p, stability_world *w, const tides_tr
 stability_splat stability_ordinary(uint64_t *state) {
     stability_splat s = {.logit = stability_between(state, -1, 3), .sh = stability_between(state, -1.5, 1.5)};
     const double z = stability_between(state, 4, 6);
-    s.mean[0] = z * stability_between(state, -0.6, 0.6); /* tan of half the view: 0.53 and 0.4 */
+    s.mean[0] = z * stability_between(state, -0.6, 0.6); /* tangents of half the view: 0.53 and 0.4 */
     s.mean[1] = z * stability_between(state, -0.45, 0.45);
     s.mean[2] = z;
     for (size_t k = 0; k < 3; k++) s.decades[k] = stability_between(state, -1.2, -0.5);
@@ -111,7 +111,7 @@ void stability_wall(stability_pile *p, const stability_world *w, int32_t across,
     const double pitch[2] = {view[0] / across, view[1] / down};
     const double scale = wide * (pitch[0] < pitch[1] ? pitch[0] : pitch[1]);
     uint64_t state = BACKDROP_SEED;
-    double decades = -6, power = 1e-6; /* of the largest tenth of a decade that is no more than `scale`, without log10 */
+    double decades = -6, power = 1e-6; /* finds the largest tenth of a decade up to `scale`, without log10 */
     for (; power * 1.2589254117941673 <= scale; power *= 1.2589254117941673) decades += 0.1;
     for (int32_t i = 0; i < across * down; i++) {
         const int32_t column = i % across, row = i / across;
@@ -134,7 +134,7 @@ tides_status stability_path(const stability_world *w, const stability_slide *sli
     const double span = w->scene.stop - w->scene.start;
     memset(samples, 0, sizeof samples);
     for (int i = 0; i < SAMPLES; i++) {
-        samples[i].time = w->scene.start + 0.5 * (i - 1) * span; /* half a run before it, and one after */
+        samples[i].time = w->scene.start + 0.5 * (i - 1) * span; /* half a run before the start, and one after */
         const double t = samples[i].time - w->scene.start;
         for (size_t k = 0; k < 3; k++) samples[i].position[k] = slide->from[k] + slide->velocity[k] * t;
         samples[i].quaternion[0] = 1;
@@ -175,7 +175,7 @@ tides_status stability_make(const stability_case *c, stability_world *w, tides_e
     return status;
 }
 
-/* The square root of a count, up. */
+/* The square root of a count, rounded up. */
 static int32_t side_of(int64_t count) {
     int32_t side = 1;
     while ((int64_t)side * side < count) side++;

@@ -1,4 +1,4 @@
-/* Cost of a method at a target: interpolated between its settings, in logarithms, on the envelope of what it reached so far. */
+/* The cost of a method for a target: interpolated between its settings, in logarithms, on the envelope of the least errors. */
 #include "bench.h"
 
 #include <math.h>
@@ -7,14 +7,14 @@
 
 enum { SETTINGS_MAX = 32 };
 
-/* Errors below the unit of event times, 1 ns, are this [us]: half of it. */
+/* [us] Errors below the unit of event times, 1 ns, count as half of it. */
 #define LEAST_ERROR_US 5e-4
 
 typedef struct point {
     double renders, frames, run_time_s, error_us, mismatch_percent;
 } point;
 
-/* The method's settings on the scene in order of renders, each with the least error up to there. */
+/* The method's settings on the scene in order of renders, each with the least error of it and all before. */
 static int envelope(const bench_rows *rows, const char *scene, const char *method, int32_t measure,
                     point points[SETTINGS_MAX]) {
     int count = 0;
@@ -35,7 +35,7 @@ static int envelope(const bench_rows *rows, const char *scene, const char *metho
     return kept;
 }
 
-/* Between a and b at `share`, in logarithms. */
+/* Interpolates between a and b in logarithms. */
 static double between(double a, double b, double share) { return exp(log(a) + share * (log(b) - log(a))); }
 
 int32_t bench_needed(const bench_rows *rows, const char *scene, const char *method, int32_t measure, double target_us,
@@ -69,7 +69,7 @@ static void print_need(FILE *out, const bench_need *need) {
     fprintf(out, " %8s s %8s", time, renders);
 }
 
-/* A ratio of two needs: a bound on one of them makes it a bound. Both bounds in opposite senses say nothing. */
+/* Prints the ratio of two needs. A bound on one of them makes the ratio a bound; two opposite bounds give no ratio. */
 static void print_ratio(FILE *out, double above, int32_t bound_above, double below, int32_t bound_below) {
     char text[32];
     const int32_t bound = bound_above ? bound_above : -bound_below;
@@ -92,7 +92,7 @@ static void print_method(FILE *out, const char *scene, const char *label, const 
     fprintf(out, " %10.3g\n", need->mismatch_percent);
 }
 
-/* Beside the default, or the cubic alone where the default can't be had. */
+/* Prints what methods need for a target, beside the default, or beside the cubic alone where the default isn't available. */
 static void print_target(FILE *out, const bench_rows *rows, const char *scene, int32_t measure, double target_us) {
     static const char *const methods[] = {"default", "error",    "esim", "quadratic",    "hermite",   "solved",
                                           "blocks",  "together", "risk", "error_global", "esim_inria"};
@@ -107,7 +107,7 @@ static void print_target(FILE *out, const bench_rows *rows, const char *scene, i
             print_method(out, scene, label, methods[i], &other, &base);
 }
 
-/* Is the estimate honest? What each run says that it reached, and what it reached. */
+/* Prints the errors that each run estimates and those that it has. */
 static void print_estimates(FILE *out, const bench_rows *rows, const char *scene) {
     static const char *const verdicts[] = {"too low", "honest"};
     fprintf(out, "%-13s %-11s %9s %-9s %30s %30s  %s\n", "scene", "method", "setting", "", "reported median/p95/p99 us",

@@ -1,4 +1,4 @@
-/* Results of a benchmark as JSON and CSV. */
+/* Writes the results of a benchmark as JSON and CSV. */
 #include "bench.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* JSON and CSV are both made from this list. */
+/* The columns of a row, for both JSON and CSV. */
 static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_CELLS_MAX]) {
     const bench_row *r = (const bench_row *)rows + index;
     const bench_cell made[] = {
@@ -93,7 +93,7 @@ static int32_t add_truth(cJSON *list, const tides_exact *truth, int32_t rules) {
            cJSON_AddNumberToObject(json, "worst_residual", truth->worst_residual);
 }
 
-/* NaN (no event was matched, no frames to count, no such row) has no JSON: null. */
+/* Adds a number; NaN (no event matched, no frames, no such row) becomes null. */
 static int32_t add_or_null(cJSON *json, const char *name, double number) {
     return (isfinite(number) ? cJSON_AddNumberToObject(json, name, number) : cJSON_AddNullToObject(json, name)) != NULL;
 }

@@ -4,20 +4,20 @@
  * against the method that uses it. Streams of images that jump (`inria`) are rendered on the device that is measured. */
 #include "bench.h"
 
-/* No level after one that took so many full renders. */
+/* The exact stream's last level is the first that takes so many full renders, in double precision. */
 #define LONG_RENDERS 400.0        /* in double */
-#define LONG_EQUAL_RENDERS 1000.0 /* equal steps */
+#define LONG_EQUAL_RENDERS 1000.0 /* with equal steps */
 
-/* Smooth images. The first level's longest step is the scene's truth_step_s: short beside whatever vibrates. */
+/* Smooth images. The first level's longest step is the scene's truth_step_s, which is short beside any vibration. */
 #define LAST_TOLERANCE 1e-9
 #define LAST_QUICK_TOLERANCE 1e-7
 
-/* A smooth image stops where the rest changes L by 1e-5 at most, which is 10 ns where L moves by a thousand a second. The
- * exact stream is of all its splats, but for 1e-9 of L: what stopping does to event times counts as an error too. Events that
- * are looked up in double precision have none of it. */
+/* stop_change of the exact stream. By default a smooth image leaves out light that changes L by at most 1e-5, which is 10 ns
+ * where L moves by a thousand a second. The exact stream leaves out 1e-9 only, so that the effect counts as an error. Events
+ * looked up in double precision don't have it. */
 #define STOP_CHANGE 1e-9
 
-/* Images that jump: steps per second. LEAST is twice what the finest method has; with --quick half as fine. */
+/* Images that jump: steps per second. The last rate is twice that of the finest method; with --quick half. */
 #define FIRST_RATE 64000.0
 #define LEAST_RATE 128000.0
 #define LAST_RATE 512000.0

@@ -1,11 +1,11 @@
 /* Conditions that a scene's rows must meet on any machine: estimates that hold, streams that agree, pixels within their
- * thresholds, and an exact stream that is good enough for these. */
+ * thresholds, and an exact stream that is accurate enough for all this. */
 #include "bench.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Errors no longer than the unit of event times are none. */
+/* [us] Errors up to the unit of event times count as none. */
 #define UNIT_US 1e-3
 
 const char *bench_rules_name(int32_t rules) { return rules == TIDES_RULES_INRIA ? "inria" : "smooth"; }

@@ -1,5 +1,5 @@
-/* Scenes that frames and runs are timed on, at any size: trained ones, and made ones of any number of splats. Cameras go about
- * what is there at 1 rad/s, with 45 degrees from top to bottom. */
+/* Scenes for timing frames and runs, of any size: trained ones, and made ones of any number of splats. Cameras orbit them at 1
+ * rad/s, with a field of view of 45 degrees from top to bottom. */
 #include "bench_worlds.h"
 
 #include <math.h>
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ORBIT_S 2.0  /* how long paths last */
-#define FRAMES_S 0.3 /* and over how long frames are spread */
+#define ORBIT_S 2.0  /* duration of paths */
+#define FRAMES_S 0.3 /* time over which frames are spread */
 
 /* -- random numbers ------------------------------------------------------------------------------------------------------- */
 
@@ -66,7 +66,7 @@ static void paint(cloud *c, uint64_t *state) {
     for (size_t i = 0; i < each * (size_t)c->count; i++) c->sh[i] = (float)((i % each < 3 ? 1 : 0.1) * normal(state));
 }
 
-/* A cube of 2 about the origin; as dense whatever their number. */
+/* Splats in a cube of edge 2 about the origin; its density doesn't depend on their number. */
 static int32_t make_random(cloud *c, int64_t count) {
     uint64_t state = 1;
     if (!make_cloud(c, count, 3)) return 0;
@@ -112,17 +112,17 @@ tides_status bench_add_random_apart(tides_scene *scene, int64_t count, int64_t o
     return add_cloud(scene, &all, NULL, "random", error);
 }
 
-/* Flat on a sphere at `direction` from its middle: turned so that the third axis goes outwards. */
+/* A quaternion that lays a splat flat on a sphere with the normal `n`: its third axis points outwards. */
 static void lay_flat(const double n[3], float q[4]) {
-    const double size = sqrt(2 * (1 + n[2])); /* halfway from z to n */
+    const double size = sqrt(2 * (1 + n[2])); /* halfway between z and n */
     q[0] = (float)(size > 1e-6 ? 0.5 * size : 0);
     q[1] = (float)(size > 1e-6 ? -n[1] / size : 1);
     q[2] = (float)(size > 1e-6 ? n[0] / size : 0);
     q[3] = 0;
 }
 
-/* Spheres of all sizes, one behind the other, of flat splats that overlap: twice as wide as they are apart, and half seen
- * through, as those of trained scenes are. */
+/* Spheres of all sizes, one behind the other, of flat splats that overlap: twice as wide as their spacing, and half
+ * transparent, like splats of trained scenes. */
 tides_status bench_add_surfaces(tides_scene *scene, int64_t count, tides_error *error) {
     enum { SPHERES = 40 };
     double centre[SPHERES][3], radius[SPHERES], area[SPHERES + 1] = {0};
@@ -152,7 +152,8 @@ tides_status bench_add_surfaces(tides_scene *scene, int64_t count, tides_error *
 
 /* -- patches -------------------------------------------------------------------------------------------------------------- */
 
-/* Size of the plane z = 0 [scene units] in the view of the camera that faces the patches, and its distance, at 4 by 3. */
+/* Size of the plane z = 0 [scene units] in the view of the camera that faces the patches, and the camera's distance, for an
+ * image of 4 by 3. */
 #define VIEW_WIDTH 2.0
 #define VIEW_HEIGHT 1.5
 #define VIEW_DISTANCE 1.8
@@ -163,7 +164,7 @@ static tides_status swing_path(double stop, tides_trajectory **path, tides_error
     return bench_vibrating_path(&swing, stop, path, error);
 }
 
-/* One rectangle's splats, of which the middle one is about (x, y). */
+/* Fills in one patch's splats; the middle one is about (x, y). */
 static void fill_patch(const bench_patch *p, double x, double y, int32_t columns, int32_t rows, cloud *c, uint64_t *state) {
     int64_t i = 0;
     for (int32_t layer = 0; layer < p->layers; layer++) {
@@ -198,7 +199,7 @@ tides_status bench_add_patches(tides_scene *scene, const bench_patch *p, tides_e
         const int32_t column = i % p->columns, row = i / p->columns;
         const double x = width * (column + 0.5) - 0.5 * VIEW_WIDTH, y = height * (row + 0.5) - 0.5 * VIEW_HEIGHT;
         fill_patch(p, x, y, columns, rows, &c, &state);
-        const int32_t place = (7 * i) % count; /* spread over the view: 7 divides no number of patches */
+        const int32_t place = (7 * i) % count; /* 7 divides no number of patches, so that places spread over the view */
         status = add_cloud(scene, &c, place < p->swinging ? swing : NULL, "patch", error);
     }
     tides_trajectory_destroy(swing);
@@ -261,7 +262,7 @@ const char *const *bench_world_names(void) {
     return names;
 }
 
-/* Another name is that of a file, or of a scene of bench_scenes.c. */
+/* A name that isn't listed is a file, or a scene of bench_scenes.c. */
 tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scene, tides_error *error) {
     const world *w = NULL;
     for (size_t i = 0; i < WORLDS; i++)
@@ -278,7 +279,7 @@ tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scen
     bench_lay_out(&made, w->name, w->sentence);
     snprintf(file, sizeof file, "%s/data/%s", shared && *shared ? shared : "../shared", w->file ? w->file : "");
     made.stop = FRAMES_S;
-    made.image.transfer = TIDES_TRANSFER_LINEAR; /* as what they are held against has it */
+    made.image.transfer = TIDES_TRANSFER_LINEAR; /* like the renderers that it is compared with */
     tides_status status = tides_scene_create(&made.scene, error);
     if (status == TIDES_OK)
         status = w->add ? w->add(made.scene, quick ? w->quick : w->count, error)

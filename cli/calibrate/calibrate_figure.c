@@ -102,7 +102,7 @@ static void draw_rates(figure *f) {
 
 /* -- the map ---------------------------------------------------------------------------------------- */
 
-/* Blue below the median, red above it, at 0.5 and 1.5 in full. */
+/* The colour of a change: blue below the median, red above it, full at 0.5 and 1.5. */
 static canvas_colour colour_of(const figure *f, double change) {
     const canvas_theme *t = f->canvas.theme;
     if (!(change == change)) return t->paper;

@@ -1,4 +1,4 @@
-/* index.html: the values, what they rest on, the picture, and the preset to copy. */
+/* index.html of a calibration: the values and their evidence, the picture, and the preset to copy. */
 #include "calibrate_report.h"
 #include "html.h"
 

@@ -14,7 +14,7 @@ const char *calibrate_transition(int32_t index) {
     return names[index];
 }
 
-/* null where there is none */
+/* Adds a number; NaN becomes null. */
 static void add_number(cJSON *object, const char *name, double value) {
     if (isfinite(value))
         cJSON_AddNumberToObject(object, name, value);

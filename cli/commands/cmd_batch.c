@@ -1,11 +1,11 @@
-/* tides batch: many runs, several at a time, gone on with after any interruption. */
+/* tides batch: many runs, several at a time; a batch that was interrupted can be continued. */
 #include "batch.h"
 #include "sets.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-/* "I/N", I from 1. */
+/* Parses "I/N", I from 1. */
 static int take_shard(const cli_command *command, const char *text, batch *b) {
     char *end = NULL;
     const long part = strtol(text, &end, 10);
@@ -17,7 +17,7 @@ static int take_shard(const cli_command *command, const char *text, batch *b) {
     return CLI_GO;
 }
 
-/* A number from 1; nothing where the option isn't given. */
+/* Parses a number from 1; keeps `count` where the option isn't given. */
 static int take_count(const cli_command *command, const char *option, const char *text, int32_t most, int32_t *count) {
     char *end = NULL;
     if (!text) return CLI_GO;
@@ -36,7 +36,7 @@ static void print_counts(const batch *b, size_t done, size_t earlier, size_t fai
         printf("summary           %s/summary%s\n", b->directory, b->shards == 1 ? ".json and .csv" : "-*");
 }
 
-/* Prints the batch's result: the failures last, where they are seen. */
+/* Prints the batch's result, with failures last, where users see them. */
 static int report(const batch *b) {
     size_t done = 0, failed = 0, earlier = 0;
     int code = batch_summary(b);

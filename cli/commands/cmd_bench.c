@@ -1,5 +1,5 @@
-/* tides bench: what accuracy costs, what the parts of the method and of the sensor do, what breaks, and that nothing else
- * changes an event. How fast the library's own stages are is the tests' to say (tests/bench/own). */
+/* tides bench: the cost of accuracy, the value of the method's parts and the cost of the sensor's, adversarial scenes, and
+ * determinism. The speed of the library's own stages is measured by tests/bench/own. */
 #include "bench_calibrate.h"
 #include "bench_determinism.h"
 #include "bench_main.h"

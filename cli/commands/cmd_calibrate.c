@@ -1,4 +1,4 @@
-/* tides calibrate: a sensor measured from a recording. */
+/* tides calibrate: measures a sensor from a recording and the light that it saw. */
 #include "calibrate_report.h"
 #include "event_job.h"
 #include "session.h"
@@ -18,7 +18,7 @@ typedef struct arguments {
 
 /* -- the command line ------------------------------------------------------------------------------------------------------ */
 
-/* "image.log_eps=0.05", or by the name that reports have. A cutoff is a pole. */
+/* Parses "image.log_eps=0.05", or the name that reports use. A cutoff is converted to a time constant. */
 static int parse_fixed(const cli_command *command, const char *text, tides_calibrate_options *options) {
     const char *sign = strchr(text, '=');
     tides_calibrated_row row;
@@ -89,7 +89,7 @@ static tides_status measure(const arguments *a, const tides_calibrate_options *o
     return status;
 }
 
-/* "measured from events.h5, 0.0038 to 0.1742 s" */
+/* Makes the preset, whose description is like "measured from events.h5, 0.0038 to 0.1742 s". */
 static tides_status make_preset(const arguments *a, const tides_calibration *found, char **text, tides_error *error) {
     const char *slash = strrchr(a->files[0], '/');
     char about[400], start[CLI_SECONDS], stop[CLI_SECONDS];

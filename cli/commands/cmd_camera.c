@@ -1,4 +1,4 @@
-/* tides camera: writes a camera path that is made by a formula, placed by a scene where one is given. */
+/* tides camera: writes a camera path made by a formula, placed by a scene if one is given. */
 #include "cli.h"
 
 #include <math.h>
@@ -8,12 +8,12 @@
 
 #define DEGREE 0.017453292519943295 /* [rad] */
 
-/* The texts of the options, as given. */
+/* The texts of the options, NULL where not given. */
 typedef struct camera_texts {
     const char *output, *scene, *size, *fov, *up, *target, *from, *to, *start, *stop, *turn, *shake, *sway, *frequency, *seed;
 } camera_texts;
 
-/* Values of the options, with the scene's or defaults in place of those that weren't given. */
+/* Values of the options; those that aren't given come from the scene, or are defaults. */
 typedef struct camera_plan {
     tides_intrinsics intrinsics;
     double up[3], target[3], from[3], to[3];
@@ -64,7 +64,7 @@ static int read_size(const cli_command *command, const char *text, camera_plan *
     return CLI_GO;
 }
 
-/* Target, up and distance from the scene. */
+/* Takes target, up and distance from the scene. */
 static tides_status ask_scene(const camera_texts *t, camera_plan *p, tides_error *error) {
     tides_scene *scene = NULL;
     const double narrower = fmin(p->intrinsics.width, p->intrinsics.height) / p->intrinsics.fx;
@@ -78,7 +78,7 @@ static tides_status ask_scene(const camera_texts *t, camera_plan *p, tides_error
     return TIDES_OK;
 }
 
-/* Where the camera begins, and where a dolly ends: on the scene's orbit, where nothing else is said. */
+/* Where the camera begins, and a dolly ends: on the scene's orbit, unless the options say otherwise. */
 static tides_status place(const camera_texts *t, camera_plan *p, tides_error *error) {
     tides_trajectory *orbit = NULL;
     tides_pose pose;
@@ -94,8 +94,7 @@ static tides_status place(const camera_texts *t, camera_plan *p, tides_error *er
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* Height, radius and angle of the orbit that begins at `from`; angles count from the world's x axis, or y where x is up
- * (tides_orbit). */
+/* Height, radius and angle of the orbit that begins at `from`. Angles count from the world's x axis, or y where x is up. */
 static void begin_orbit(camera_plan *p) {
     const double length = sqrt(dot(p->up, p->up));
     double out[3], up[3], ahead[3] = {0};
@@ -116,7 +115,7 @@ static void begin_orbit(camera_plan *p) {
     p->orbit.start_angle = atan2(dot(out, aside), dot(out, ahead));
 }
 
-/* An orbit from `from` on, or the scene's. */
+/* Sets the orbit from `from` on, or the scene's. */
 static void aim_orbit(camera_plan *p, int32_t from_given) {
     if (from_given) begin_orbit(p);
     memcpy(p->orbit.target, p->target, sizeof p->target);

@@ -1,4 +1,4 @@
-/* tides compare: every method on one run. */
+/* tides compare: compares simulators, and this one, on one run. */
 #include "compare.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@ static int unknown_method(const cli_command *command, const char *name) {
     return cli_usage(command, "--methods: no method is called %s; there are " METHODS, name);
 }
 
-/* "tides,esim": rows in the list's order; all without one. */
+/* Parses "tides,esim": rows in the order of the list, or all. */
 static int parse_methods(const cli_command *command, const char *text, comparison *c) {
     for (size_t i = 0; !text && compare_method(i); i++) c->rows[c->count++].name = compare_method(i);
     while (text) {
@@ -35,19 +35,19 @@ static int parse_methods(const cli_command *command, const char *text, compariso
     return CLI_GO;
 }
 
-/* The command line's texts that are numbers or lists; NULL where not given. */
+/* Texts of options that are numbers or lists; NULL where not given. */
 typedef struct texts {
     const char *methods, *window, *tolerance, *search, *theme, *pictures;
 } texts;
 
-/* A number above 0, of an option that was given. */
+/* Parses a number above 0, if the option was given. */
 static int parse_above(const cli_command *command, const char *option, const char *text, double *value) {
     const int code = text ? cli_number(command, option, text, value) : CLI_GO;
     if (code != CLI_GO || !text || *value > 0) return code;
     return cli_usage(command, "%s %s: should be above 0", option, text);
 }
 
-/* Takes the options for a recording; without one it refuses them. */
+/* Takes the options that need a recording; without one it refuses them. */
 static int parse_fair(const cli_command *command, const texts *t, comparison *c) {
     compare_fair *f = &c->fair;
     double search = 0;
@@ -78,7 +78,7 @@ static int parse(const cli_command *command, const texts *t, comparison *c) {
 
 /* -- the work -------------------------------------------------------------------------------------------------------------- */
 
-/* Frames come at their own times: ESIM has no other sampling there. */
+/* Leaves out methods that differ only in their sampling: frames come at their own times. */
 static void leave_out(comparison *c) {
     int32_t count = 0;
     for (int32_t i = 0; i < c->count; i++)
@@ -86,7 +86,7 @@ static void leave_out(comparison *c) {
     c->count = count;
 }
 
-/* The recording may be what an earlier comparison kept, and the run file anything. */
+/* Checks outputs. The recording may be a file that an earlier comparison wrote, and the run file may be of any kind. */
 static tides_status check_outputs(const comparison *c, tides_error *error) {
     static const char *const tables[] =
         {"compare.json",  "compare.csv",   "compare.tex",   "compare.png", "compare.svg", "compare.pdf",
@@ -104,7 +104,7 @@ static tides_status check_outputs(const comparison *c, tides_error *error) {
     return status;
 }
 
-/* Opens the run and refuses one that can't be compared, before anything long begins. */
+/* Opens the run, and refuses one that can't be compared before any long work begins. */
 static tides_status prepare(comparison *c, tides_error *error) {
     tides_status status = check_outputs(c, error);
     if (status == TIDES_OK) status = cli_session_open(c->run, c->sets, c->common, NULL, 0, &c->open, error);
@@ -113,8 +113,8 @@ static tides_status prepare(comparison *c, tides_error *error) {
         return cli_error(error, TIDES_UNSUPPORTED,
                          "%s: method ldati: a voxel grid has lost the signal that the others need; give a scene or frames",
                          c->run);
-    /* On frames exact are straight lines between them, TIDES's own, and of a measured sensor there is none: a recording is what
-     * such runs are held against. */
+    /* Not with a recording on frames, or of a measured sensor. On frames the exact stream is that of straight lines between
+     * them, which TIDES uses itself. A measured sensor has no exact stream. */
     c->with_exact = !c->recording_file || (!c->session.frames && !c->as_configured);
     if (status == TIDES_OK) status = cli_make_directory(c->directory, error);
     if (status == TIDES_OK && c->session.frames) leave_out(c);
@@ -139,7 +139,7 @@ static tides_status work(comparison *c, cJSON **report, tides_error *error) {
     return status == TIDES_OK ? compare_page(c, *report, error) : status;
 }
 
-/* Failures come last, where they are seen. */
+/* Prints failures last, where users see them. */
 static int report_failures(const comparison *c) {
     int code = CLI_OK;
     for (int32_t i = 0; i < c->count; i++)

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A warning for each thing that the file has no place for. */
+/* Prints a warning for each property that the output's format can't hold. */
 static void tell_losses(const tides_scene *scene, const char *out) {
     static const struct {
         int32_t lost;
@@ -46,9 +46,9 @@ static int convert_scene(const char *in, const char *out, const tides_scene_opti
     return code;
 }
 
-/* 1 where the file is converted as a scene: HDF5, numpy and ZIP files may hold events or a scene, and a file that opens as
- * events is one of events. A file that is neither, or lacks a part that the events' reader names (a plugin), is left to that
- * reader, whose reason helps more. */
+/* 1 where the file is converted as a scene. HDF5, numpy and ZIP files may hold events or a scene; a file that opens as events
+ * counts as events. So does a file that is neither, or whose events need a missing part (a plugin): the events' reader gives
+ * the better reason. */
 static int is_scene(const char *in) {
     tides_event_reader *reader = NULL;
     tides_error error;
@@ -57,7 +57,7 @@ static int is_scene(const char *in) {
     return status != TIDES_OK && status != TIDES_UNSUPPORTED && tides_scene_is_file(in);
 }
 
-/* Keys with or without "filters." in front, as --set has them in a run. */
+/* Parses filters: keys with or without "filters." in front. */
 static int take_filters(const cli_list *given, tides_filters *filters, tides_event_conversion *what) {
     static const char run_of_any[] = "{\"frames\": {\"file\": \"-\"}}";
     char keys[CLI_LIST_MAX][256];

@@ -1,10 +1,10 @@
-/* tides cut: a stretch of time and a window of an event file. */
+/* tides cut: writes the events of a stretch of time and a window of an event file. */
 #include "event_job.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-/* "x,y,w,h" */
+/* Parses "x,y,w,h". */
 static int take_window(const cli_command *command, const char *text, tides_event_conversion *what) {
     long numbers[4];
     const char *at = text;

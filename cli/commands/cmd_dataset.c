@@ -1,4 +1,4 @@
-/* tides dataset: a run, with all cameras of its rig, to a folder of a dataset. */
+/* tides dataset: writes a run, with all cameras of its rig, to a folder in a dataset's layout. */
 #include "session.h"
 
 #include <stdio.h>
@@ -11,7 +11,7 @@ static void help_layouts(void) {
         printf("  %-11s %s%s\n", layout.name, layout.summary, layout.metric ? " (needs scene.metres_per_unit)" : "");
 }
 
-/* The names one after the other, with commas between; the library refuses any other name. */
+/* Joins the names with commas; the library checks them. */
 static int join(const cli_list *layouts, char *text, size_t size) {
     size_t used = 0;
     for (size_t i = 0; i < (size_t)layouts->count; i++) {

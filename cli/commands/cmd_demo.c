@@ -1,4 +1,4 @@
-/* tides demo: a world of its own, simulated like anybody's: it leaves a directory that shows what a run is made of. */
+/* tides demo: simulates a made world, and leaves its files in a folder, as an example of a run. */
 #include "demo.h"
 #include "session.h"
 

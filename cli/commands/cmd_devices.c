@@ -1,4 +1,4 @@
-/* tides devices: what OpenCL offers, and which device a run would use. */
+/* tides devices: lists the OpenCL devices, and which one a run would use. */
 #include "cli.h"
 
 #include <stdio.h>
@@ -41,7 +41,7 @@ static void print_row(const tides_device_info *row, int32_t used) {
     putchar('\n');
 }
 
-/* All devices; the caller frees. */
+/* Lists all devices; the caller frees `rows`. */
 static tides_status list(tides_device_info **rows, int32_t *count, tides_error *error) {
     int32_t exist = 0, again = 0;
     tides_status status = tides_device_list(NULL, 0, &exist, error);
@@ -77,7 +77,7 @@ int cmd_devices(const cli_command *command, int argc, char **argv) {
     if (opened == TIDES_OK) tides_device_describe(device, &used);
 
     cJSON *facts = common.json ? cJSON_CreateArray() : NULL;
-    for (int32_t i = 0; i <= count; i++) { /* the reference is the row after the last */
+    for (int32_t i = 0; i <= count; i++) { /* the reference is the row behind the last */
         const int32_t is_used = opened == TIDES_OK && rows[i].index == used.index;
         if (facts)
             cJSON_AddItemToArray(facts, row_json(&rows[i], is_used));

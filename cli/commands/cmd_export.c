@@ -1,4 +1,4 @@
-/* tides export: events as arrays for networks: voxel grids, event frames, time surfaces, one for each window. */
+/* tides export: writes events as arrays for networks: a voxel grid, event frame or time surface per window. */
 #include "recording.h"
 
 #include <errno.h>
@@ -12,7 +12,7 @@ static const char *const kinds[] = {"voxel", "frame", "surface", NULL};
 static const char *const styles[] = {"e2vid", "dsec", "timelens", NULL};
 static const char *const normalisations[] = {"none", "population", "sample", NULL};
 
-/* float32 has nothing between 0 and exp(-103.98): events that are older than this many decays leave no trace. */
+/* float32 has no number between 0 and exp(-103.98), so that events older than this many decays have no effect. */
 #define DECAYS_SEEN 104.0
 
 typedef struct job {
@@ -22,8 +22,8 @@ typedef struct job {
     int kind, style;
     tides_voxel_options voxel;
     double decay_s;
-    size_t events_each; /* 0: windows of time */
-    int32_t partial;    /* the last window may be shorter than the others */
+    size_t events_each; /* 0: windows have a length of time */
+    int32_t partial;    /* 1: the last window may be shorter */
 
     cli_window recording;
     double *array;
@@ -59,7 +59,7 @@ static int whole(const cli_command *command, const char *option, const char *tex
     return cli_usage(command, "%s %s: should be a whole number from 1 to %ld", option, text, limit);
 }
 
-/* The command line's texts; NULL where not given. */
+/* Texts of options; NULL where not given. */
 typedef struct arguments {
     const char *kind, *style, *bins, *normalise, *decay, *events;
 } arguments;
@@ -73,7 +73,7 @@ static int parse_voxel(const cli_command *command, const arguments *given, job *
     if (code != CLI_GO) return code;
     tides_voxel_options_defaults(&j->voxel, (int32_t[]){TIDES_VOXEL_E2VID, TIDES_VOXEL_DSEC, TIDES_VOXEL_TIMELENS}[j->style]);
     if (bins) j->voxel.bins = (int32_t)bins;
-    if (normalise >= 0) /* in the order of their names */
+    if (normalise >= 0) /* numbers of the names */
         j->voxel.normalise = (int32_t[]){TIDES_NORMALISE_NONE, TIDES_NORMALISE_POPULATION, TIDES_NORMALISE_SAMPLE}[normalise];
     return CLI_GO;
 }
@@ -130,7 +130,7 @@ static tides_status add_window(job *j, tides_array_writer *writer, const cli_win
     return status;
 }
 
-/* A tides_progress of the share that is done, and whether Ctrl-C was pressed. */
+/* Reports the share that is done, and returns TIDES_CANCELLED after Ctrl-C. */
 static tides_status step(const job *j, cli_progress *progress, double share, tides_error *error) {
     if (cli_progress_step(progress, share, "exporting") == 0) return TIDES_OK;
     return cli_error(error, TIDES_CANCELLED, "%s: interrupted: nothing was written", j->out);
@@ -236,7 +236,7 @@ int cmd_export(const cli_command *command, int argc, char **argv) {
     arguments given = {NULL, NULL, NULL, NULL, NULL, NULL};
     job j = {.common = &common,
              .decay_s = 0.03,
-             .stretch = {.of_run = 1, .windows_most = CLI_WINDOWS_MOST}}; /* HOTS's surfaces, as in tonic's examples */
+             .stretch = {.of_run = 1, .windows_most = CLI_WINDOWS_MOST}}; /* HOTS's value, as in tonic's examples */
     const cli_option options[] = {
         {"--output", 'o', "FILE", "where the arrays go: .npy, .npz, .h5, .exr (one window)", NULL, &j.out, NULL},
         {"--as", 0, "voxel|frame|surface", "what to make (voxel)", NULL, &given.kind, NULL},

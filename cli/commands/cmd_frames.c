@@ -1,4 +1,4 @@
-/* tides frames: what an ordinary camera in the event camera's place would record. */
+/* tides frames: writes the frames that an ordinary camera in the event camera's place would record. */
 #include "take.h"
 
 static void report(cJSON *facts, const tides_session_taken *taken) {

@@ -1,9 +1,9 @@
-/* tides imu: what an IMU would measure, and where it was. */
+/* tides imu: writes the measurements of an IMU on the camera, and its true motion. */
 #include "take.h"
 
 static tides_status imu(tides_session *session, const char *path, tides_progress progress, void *user,
                         tides_session_taken *taken, tides_error *error) {
-    (void)progress; /* a minute of measurements takes milliseconds */
+    (void)progress; /* not used: a minute of measurements takes milliseconds */
     (void)user;
     return tides_session_imu(session, path, taken, error);
 }

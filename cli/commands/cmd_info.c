@@ -12,20 +12,20 @@
 
 /* -- scenes --------------------------------------------------------------------------------------------------------- */
 
-enum { SWEEP_TIMES = 3 }; /* start, middle, end: networks take seconds for each */
+enum { SWEEP_TIMES = 3 }; /* at the start, middle and end: networks take seconds for each */
 
-/* Whether the object moves as a whole. */
+/* 1 where the object moves as a whole. */
 static int32_t is_carried(const tides_object *object) {
     return object->trajectory && !tides_trajectory_is_static(object->trajectory);
 }
 
-/* How many of its Gaussians move, in either way; -1 without memory to find out. */
+/* Number of its Gaussians that move, with the object or by themselves; -1: out of memory. */
 static int64_t count_moving(const tides_object *object) {
     if (is_carried(object)) return object->gaussians.count;
     return object->motion ? tides_motion_moving(object->motion, &object->gaussians) : 0;
 }
 
-/* Model, how many Gaussians it moves, its own time and how long that lasts here, and times at which rates may jump. */
+/* Adds facts of a motion: model, number of Gaussians, its own time and how long that lasts here, knots. */
 static void add_motion(cJSON *json, const tides_object *object) {
     double start, stop;
     tides_motion_range(object->motion, &start, &stop);
@@ -59,7 +59,7 @@ static cJSON *object_json(const tides_object *object) {
     return json;
 }
 
-/* The box that the means stay in, as far as a few times tell. */
+/* The box of the means at a few times of the run. */
 static tides_status sweep_facts(const tides_scene *scene, double start, double stop, cJSON *facts, tides_error *error) {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int i = 0; i < SWEEP_TIMES; i++) {
@@ -77,7 +77,8 @@ static tides_status sweep_facts(const tides_scene *scene, double start, double s
     return TIDES_OK;
 }
 
-/* Facts of scenes in which something moves: the share of Gaussians, the time that all objects cover, and where they get to. */
+/* Facts of a scene in which something moves: the share of Gaussians that move, the time that all objects cover, and the box of
+ * the means. */
 static tides_status motion_facts(const tides_scene *scene, cJSON *facts, tides_error *error) {
     int64_t moving = 0;
     for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
@@ -98,14 +99,14 @@ static tides_status motion_facts(const tides_scene *scene, cJSON *facts, tides_e
     return sweep_facts(scene, start, stop, facts, error);
 }
 
-/* The transfer of the scene's colours, by its name in .ply files, or "mixed" where objects differ. */
+/* The name of the colours' transfer in .ply files, or "mixed" where objects differ. */
 static const char *transfer_of(const tides_scene *scene) {
     int32_t transfer;
     double gamma;
     return tides_scene_transfer(scene, &transfer, &gamma, NULL) == TIDES_OK ? tides_transfer_name(transfer) : "mixed";
 }
 
-/* How it was trained, and what a user may not expect of it. */
+/* Facts on the scene's training, and its limits. */
 static void tag_facts(const tides_scene *scene, cJSON *facts) {
     static const char *const names[] = {NULL, "plain", "antialiased", "mixed"}; /* TIDES_TRAINED_* */
     const char *trained = names[tides_scene_trained(scene)];
@@ -165,7 +166,7 @@ static void intrinsics_facts(const tides_intrinsics *camera, cJSON *facts) {
     lens_facts(&camera->lens, facts);
 }
 
-/* Length of the path and the box around its samples. */
+/* Length of the path, and the box around its samples. */
 static tides_status extent_facts(const tides_trajectory *path, cJSON *facts, tides_error *error) {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY}, last[3] = {0}, length = 0;
     for (size_t i = 0; i < tides_trajectory_count(path); i++) {
@@ -240,7 +241,7 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     cJSON_AddNumberToObject(facts, "events_off", (double)(s->count - s->count_on));
     cli_add_ns(facts, "first_ns", s->first_ns);
     cli_add_ns(facts, "last_ns", s->last_ns);
-    cli_add_seconds(facts, "first_s", s->first_ns); /* what --start of cut and view takes */
+    cli_add_seconds(facts, "first_s", s->first_ns); /* the times that `tides cut` and `view` take as --start */
     cJSON_AddNumberToObject(facts, "duration_s", duration);
     if (duration > 0) cJSON_AddNumberToObject(facts, "rate_hz", (double)s->count / duration);
     if (s->count) cJSON_AddNumberToObject(facts, "on_percent", 100.0 * (double)s->count_on / (double)s->count);
@@ -248,7 +249,8 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     label_facts(s->labels, facts);
 }
 
-/* How it was read, where the file leaves that open; and what of it is no event. `out` (nullable) gets the summary. */
+/* Facts of an event file: how it was read, if the file leaves that open, and what in it isn't an event. `out` (nullable) gets
+ * the summary. */
 static tides_status events_facts(const char *file, const tides_event_reading *how, cJSON *facts, tides_event_summary *out,
                                  tides_error *error) {
     tides_event_reader *reader = NULL;
@@ -268,7 +270,7 @@ static tides_status events_facts(const char *file, const tides_event_reading *ho
     return status;
 }
 
-/* Whether it opens as an event file, whatever comes then. */
+/* 1 where the file opens as an event file. */
 static tides_status open_events(const char *file) {
     tides_event_reader *reader = NULL;
     tides_error error;
@@ -277,11 +279,11 @@ static tides_status open_events(const char *file) {
     return status;
 }
 
-/* HDF5 holds events or a scene; a file that is neither is reported with both reasons. */
+/* HDF5 holds events or a scene. For a file that is neither, both reasons are reported. */
 static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_error events = {TIDES_OK, ""}, scene = {TIDES_OK, ""};
     if (events_facts(file, NULL, facts, NULL, &events) == TIDES_OK) return TIDES_OK;
-    /* Events, and the parts or options that their reader lacks. */
+    /* The file has events, and their reader lacks a part or an option. */
     if (events.status == TIDES_UNSUPPORTED || events.status == TIDES_BAD_ARGUMENT) {
         *error = events;
         return error->status;
@@ -333,7 +335,7 @@ static tides_status exr_facts(const char *file, cJSON *facts, tides_error *error
 
 /* -- run files ------------------------------------------------------------------------------------------------------ */
 
-/* One file or folder that a run reads, and how large it is: what isn't there says so. */
+/* One file or folder that a run reads, and its size, or that it is missing. */
 static cJSON *input_json(tides_fingerprints *prints, const tides_run_input *input) {
     tides_fingerprint print;
     cJSON *json = cJSON_CreateObject();
@@ -371,7 +373,7 @@ static tides_status run_facts_of(const tides_run *run, cJSON *facts, tides_error
     return status;
 }
 
-/* 1 where a text that neither run nor path could be made of was to be a run: what is wrong with it is then the run's to say. */
+/* 1 where a text that can be read neither as a run nor as a path was meant as a run: the error of the run is then reported. */
 static int32_t looks_like_run(const char *text) {
     static const char *const keys[] = {"\"scene\"", "\"sensor\"", "\"stepping\"", "\"time\":"};
     while (*text == ' ' || *text == '\t' || *text == '\r' || *text == '\n') text++;
@@ -381,7 +383,7 @@ static int32_t looks_like_run(const char *text) {
     return 0;
 }
 
-/* Text is a run file where it can be read as one, which no path can be; else a path. `start`: its first bytes. */
+/* A text is a run file if it can be read as one, which no path can; else a path. `start`: its first bytes. */
 static tides_status text_facts(const char *file, const char *start, cJSON *facts, tides_error *error) {
     tides_run *run = NULL;
     tides_error of_run;
@@ -399,7 +401,7 @@ static tides_status text_facts(const char *file, const char *start, cJSON *facts
 
 /* -- arrays, and what isn't what it seems ------------------------------------------------------------------------------- */
 
-/* A .npy that holds no events: its header says type and shape. */
+/* Facts of a .npy without events: type and shape of its header. */
 static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
     const size_t at = start[6] == 1 ? 10 : 12;
     char shape[128] = "?", type[32] = "?";
@@ -413,7 +415,7 @@ static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
     return TIDES_OK;
 }
 
-/* Facts of a folder. Where it holds no events, the path's reader has the best reason to give. */
+/* Facts of a folder. If it holds no events, the path's reader gives the best reason. */
 static tides_status folder_facts(const char *file, cJSON *facts, tides_error *error) {
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     if (open_events(file) != TIDES_FILE_NOT_FOUND) {
@@ -456,7 +458,7 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (memcmp(head, "\x93NUMPY", 6) == 0) return array_facts(head, got, facts);
     const tides_status foreign = tides_file_foreign(file, error);
     if (foreign != TIDES_OK) return foreign;
-    return text_facts(file, head, facts, error); /* text: the path's reader says best what is wrong */
+    return text_facts(file, head, facts, error); /* the path's reader gives the best reason */
 }
 
 int cmd_info(const cli_command *command, int argc, char **argv) {

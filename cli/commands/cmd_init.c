@@ -1,5 +1,5 @@
-/* tides init: a run file to begin with: the keys that most runs set, or with --all every key, with its default and a comment
- * that explains it. Defaults are comments themselves: a value that is given would keep a preset from setting it. */
+/* tides init: writes a run file to begin with: the keys that most runs set, or with --all every key, each with its default and
+ * an explanation. Defaults are written as comments, because a value that is given would keep a preset from setting it. */
 #include "recording_folder.h"
 
 #include <math.h>
@@ -15,11 +15,11 @@ typedef struct template {
     const char *scene, *camera;        /* file names; no camera: an orbit */
     int32_t all;                       /* every key, not only the common ones */
     const recording_folder *recording; /* NULL: a scene's run */
-    const char *folder;                /* its folder, as the run file names it */
+    const char *folder;                /* the recording's, as the run file names it */
 }
 template;
 
-/* The next row from `i` on that is to be written and lies in the group of `prefix`'s first `length` characters. */
+/* The next row to be written, from `i` on, in the group of `prefix`'s first `length` characters. */
 static size_t next_row(const template *t, size_t i, const char *prefix, size_t length) {
     for (; i < t->count; i++) {
         const tides_param *row = &t->rows[i];
@@ -37,7 +37,7 @@ static void put_quoted(FILE *file, const char *text) {
     cJSON_Delete(value);
 }
 
-/* A value that the recording has for this row; 0: none. */
+/* Writes the recording's value of this row; 0: it has none. */
 static int32_t put_recorded(const template *t, const tides_param *row) {
     static const char *const lens[RECORDING_LENS] = {"camera.fx", "camera.fy", "camera.cx", "camera.cy", "camera.k1",
                                                      "camera.k2", "camera.p1", "camera.p2", "camera.k3"};
@@ -72,14 +72,14 @@ static void put_value(const template *t, const tides_param *row) {
 
 static int32_t is_key(const tides_param *row, const char *key) { return strcmp(row->key, key) == 0; }
 
-/* Rows that most users set, and that no preset sets. */
+/* 1 for rows that most users set and that no preset sets. */
 static int32_t is_open(const template *t, const tides_param *row) {
     if (t->recording) return is_key(row, "frames.file") || strncmp(row->key, "time.st", 7) == 0;
     return is_key(row, "scene.file") || is_key(row, t->camera ? "camera.file" : "camera.orbit_s") ||
            strncmp(row->key, "time.", 5) == 0;
 }
 
-/* // "key": default, // sentence [unit]: choices */
+/* Writes a row: // "key": default, // sentence [unit]: choices */
 static void put_row(const template *t, const tides_param *row, const char *name, int indent) {
     fprintf(t->file, "%*s%s\"%s\": ", indent, "", is_open(t, row) ? "" : "// ", name);
     put_value(t, row);
@@ -89,7 +89,7 @@ static void put_row(const template *t, const tides_param *row, const char *name,
     putc('\n', t->file);
 }
 
-/* The rows of a group, which stand together in the table; the index behind them. Recursion ends with the table's groups. */
+/* Writes the rows of a group, which are neighbours in the table, and returns the index behind them. */
 static size_t put_group(const template *t, size_t i, size_t length, int indent) {
     const char *prefix = t->rows[i].key;
     for (size_t next = i; next < t->count; i = next) {
@@ -111,7 +111,7 @@ static size_t put_group(const template *t, size_t i, size_t length, int indent) 
     return i;
 }
 
-/* `t` without rows and file. */
+/* The template's text; `t` has no rows and file yet. */
 static char *make_template(template t) {
     char *text = NULL;
     size_t bytes = 0;
@@ -137,7 +137,7 @@ static char *make_template(template t) {
     return NULL;
 }
 
-/* A template that the reader refuses would be a bug of ours: this says so before anybody has it. */
+/* Reads the template, which must be valid: an error here is a bug of TIDES. */
 static tides_status check(const char *text, tides_error *error) {
     tides_run *run = NULL;
     tides_status status = tides_run_parse(text, "", NULL, 0, &run, error);
@@ -145,14 +145,15 @@ static tides_status check(const char *text, tides_error *error) {
     return status;
 }
 
-/* With --force, too, the scene and the path that it names are nothing to replace. */
+/* Refuses to replace the scene and the path that the run file names, also with --force. */
 static tides_status check_output(const char *output, const char *scene, const char *camera, tides_error *error) {
     const cli_output written = {output, ".json"};
     const tides_status status = cli_check_outputs(scene, &written, 1, error);
     return status == TIDES_OK ? cli_check_outputs(camera, &written, 1, error) : status;
 }
 
-/* Finds the parts of a recording's run file. Its paths are as the command's, so that the file belongs into the same folder. */
+/* Finds the files of a recording's run file. Their paths are relative to the folder in which the command runs, so that the
+ * output must be written there. */
 static tides_status look_into(const char *folder, const char *output, recording_folder *found, char *lines, size_t size,
                               tides_error *error) {
     tides_status status = recording_folder_read(folder, found, error);

@@ -1,4 +1,4 @@
-/* tides metrics: a simulated stream against a reference. */
+/* tides metrics: compares a simulated stream with a reference. */
 #include "metrics_report.h"
 #include "recording.h"
 
@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Families of the library's table, each once, in its order. */
+/* The families of the library's table, each once, in its order. */
 enum { FAMILIES_MAX = 32 };
 typedef struct families {
-    const tides_metric *first[FAMILIES_MAX]; /* a row of each */
+    const tides_metric *first[FAMILIES_MAX]; /* first row of each */
     size_t count;
     char list[256]; /* "counts,isi,..." */
 } families;
@@ -29,7 +29,7 @@ static void find_families(families *f) {
         }
 }
 
-/* The command line's texts; NULL where not given. */
+/* Texts of options; NULL where not given. */
 typedef struct arguments {
     const char *files[2];
     const char *only, *roi, *window, *from, *to, *speed, *clock;
@@ -47,7 +47,7 @@ static int unknown_family(const cli_command *command, const families *f, const c
     return cli_usage(command, "--only: no metric is called %s: there are %s", name, f->list);
 }
 
-/* "isi,chamfer" */
+/* Parses "isi,chamfer". */
 static int parse_only(const cli_command *command, const char *text, uint32_t *wanted) {
     families f;
     find_families(&f);
@@ -65,7 +65,7 @@ static int parse_only(const cli_command *command, const char *text, uint32_t *wa
     }
 }
 
-/* "x,y,width,height" */
+/* Parses "x,y,width,height". */
 static int parse_roi(const cli_command *command, const char *text, int32_t roi[4]) {
     const char *at = text;
     for (int i = 0; i < 4; i++) {
@@ -80,7 +80,7 @@ static int parse_roi(const cli_command *command, const char *text, int32_t roi[4
     return CLI_GO;
 }
 
-/* Leaves `value` as it is where nothing was given. */
+/* Parses a number above 0; keeps `value` where the option isn't given. */
 static int parse_positive(const cli_command *command, const char *name, const char *text, double *value) {
     if (!text) return CLI_GO;
     const int code = cli_number(command, name, text, value);
@@ -104,7 +104,7 @@ static int parse_options(const cli_command *command, const arguments *given, tid
     if (code == CLI_GO) code = parse_positive(command, "--speed", given->speed, &options->speed_px_per_s);
     if (code == CLI_GO) code = parse_positive(command, "--clock", given->clock, &options->clock_s);
     if (code != CLI_GO || (!given->from && !given->to)) return code;
-    /* One end alone: the other is as far as times go (both times lie within 73 years of 0). */
+    /* Where one end isn't given, it is 73 years from 0, the limit of times. */
     options->start_ns = INT64_C(-2305843009213693952);
     options->stop_ns = INT64_C(2305843009213693952);
     code = parse_time(command, "--from", given->from, &options->start_ns);
@@ -115,13 +115,13 @@ static int parse_options(const cli_command *command, const arguments *given, tid
 
 /* ---- the streams ---- */
 
-/* All events, which the comparison itself wants in order of time. */
+/* Reads all events in order of time. */
 static tides_status read_stream(const char *file, const tides_event_reading *how, cli_window *s, tides_error *error) {
     *s = (cli_window){.first_ns = INT64_MIN, .stop_ns = INT64_MAX, .how = how};
     return cli_window_read(file, s, error);
 }
 
-/* The sensor's size: what the files say, where they do and agree. */
+/* Sets the sensor's size: that of the files, where they have one and agree. */
 static tides_status set_sensor(const char *const files[2], const cli_window s[2], tides_metrics_options *o,
                                tides_error *error) {
     const tides_event_facts *a = &s[0].facts, *b = &s[1].facts;
@@ -136,7 +136,7 @@ static tides_status set_sensor(const char *const files[2], const cli_window s[2]
     return TIDES_OK;
 }
 
-/* An interval that was given is of both recordings; one end alone: the other is the streams'. */
+/* Checks that a given interval belongs to both recordings; an end that isn't given comes from the streams. */
 static tides_status set_interval(const char *const files[2], const cli_window s[2], tides_metrics_options *o,
                                  tides_error *error) {
     const int64_t open = INT64_C(2305843009213693952);
@@ -158,7 +158,7 @@ static tides_status set_interval(const char *const files[2], const cli_window s[
 
 /* ---- the work ---- */
 
-/* A bar only for work that takes longer than a second. */
+/* A progress bar, shown after a second of work. */
 typedef struct waiting {
     cli_progress bar;
     int32_t quiet;
@@ -171,7 +171,7 @@ static int step(void *user, double fraction, const char *stage) {
     return cli_progress_step(&w->bar, fraction, stage);
 }
 
-/* `how`: of both; only the simulated stream is shifted. */
+/* Compares two streams. `how` is for both, except that only the simulated one is shifted. */
 static tides_status compare(const char *const files[2], const tides_event_reading *how, cli_window s[2],
                             tides_metrics_options *options, const cli_common *common, tides_metrics *metrics,
                             tides_error *error) {

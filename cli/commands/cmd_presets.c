@@ -1,10 +1,10 @@
-/* tides presets: the library's sensors side by side, and what they leave to the run. */
+/* tides presets: lists the library's sensors, and the values that they leave to the run. */
 #include "info_preset.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* The columns: a key of the preset, and what stands above it. */
+/* The columns: a key of the preset, and its heading. */
 static const struct {
     const char *group, *name, *title;
 } columns[] = {{"sensor", "threshold_on", "C+"},        {"sensor", "threshold_off", "C-"},

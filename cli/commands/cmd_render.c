@@ -1,4 +1,4 @@
-/* tides render: one frame as EXR, and as a picture; with ground truth where asked for. */
+/* tides render: writes one frame as EXR, and as a picture, with ground truth if asked for. */
 #include "session.h"
 
 #include <stdio.h>
@@ -7,7 +7,7 @@
 /* The frame requested. */
 typedef struct render_request {
     const char *run, *exr, *png, *time, *rectify;
-    const char *truth;           /* names of it, separated by commas */
+    const char *truth;           /* names, separated by commas */
     const char *displacement_to; /* [s] */
     double to;
     int32_t rgb, depth, metres;
@@ -60,7 +60,7 @@ static cJSON *facts_of(const tides_session_facts *session, double time, const re
     return facts;
 }
 
-/* 1 where no pixel has anything of the scene before it. */
+/* 1 where no pixel sees anything of the scene. */
 static int32_t is_empty(const cli_frame *frame) {
     const size_t pixels = (size_t)frame->width * (size_t)frame->height;
     size_t i = 0;
@@ -95,7 +95,7 @@ static tides_status render(tides_session *session, const tides_session_facts *fa
     return status;
 }
 
-/* A file is what its name says. -o takes a picture too. */
+/* Checks outputs by their names' endings; -o may name a picture too. */
 static int check_outputs(const cli_command *command, render_request *request) {
     if (request->exr && !request->png && cli_ends_in(request->exr, ".png")) {
         request->png = request->exr;

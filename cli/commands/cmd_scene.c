@@ -1,4 +1,4 @@
-/* tides scene: makes a scene file, and when asked the camera path and run file that go with it. */
+/* tides scene: makes a scene file, and on request the camera path and run file that go with it. */
 #include "scene_run.h"
 
 #include <errno.h>
@@ -14,7 +14,7 @@ typedef struct scene_texts {
 
 /* -- options ------------------------------------------------------------------------------------------------------------ */
 
-/* A whole number of at least `least`; CLI_GO or CLI_USAGE. */
+/* Parses a whole number of at least `least`; CLI_GO or CLI_USAGE. */
 static int whole_number(const cli_command *command, const char *option, const char *text, double least, double *number) {
     const int code = cli_number(command, option, text, number);
     if (code != CLI_GO) return code;
@@ -100,8 +100,8 @@ static int list_kinds(const cli_common *common) {
 
 /* -- files ---------------------------------------------------------------------------------------------------------------- */
 
-/* `file` as a run file in `run` should name it, whose paths are relative to its own folder: alone where both share that, as it
- * is where that means the same, else from the root on. NULL: out of memory. The caller frees it. */
+/* The name of `file` for the run file `run`, whose paths are relative to its own folder: without a folder if both are in one,
+ * unchanged where that means the same, else absolute. NULL: out of memory. The caller frees it. */
 static char *name_for_run(const char *file, const char *run) {
     const char *file_slash = strrchr(file, '/'), *run_slash = strrchr(run, '/');
     const size_t file_folder = file_slash ? (size_t)(file_slash - file) + 1 : 0,
@@ -118,7 +118,7 @@ static char *name_for_run(const char *file, const char *run) {
     return name;
 }
 
-/* "fan.json" -> "fan-camera.json", beside it. */
+/* The name of a camera file: "fan.json" gives "fan-camera.json" in the same folder. */
 static char *camera_name(const char *run) {
     const size_t length = strlen(run), stem = length > 5 && strcmp(run + length - 5, ".json") == 0 ? length - 5 : length;
     char *name = malloc(stem + sizeof "-camera.json");
@@ -199,7 +199,7 @@ int cmd_scene(const cli_command *command, int argc, char **argv) {
     };
     cli_command own = *command;
     for (int i = 1; i < argc; i++)
-        if (strcmp(argv[i], "--list") == 0) own.positionals = 0; /* a list needs no kind */
+        if (strcmp(argv[i], "--list") == 0) own.positionals = 0; /* --list needs no kind */
     int code = cli_parse(&own, options, argc, argv, &common, &kind);
     if (common.help && code == CLI_OK) {
         printf("\nkinds:\n");

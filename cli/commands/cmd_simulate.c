@@ -1,10 +1,10 @@
-/* tides simulate: a run file to events. */
+/* tides simulate: simulates the events of a run file, or of frames or a scene alone. */
 #include "session.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Without an operand: what --set names alone, frames or a scene, which leaves the list. NULL: nothing. */
+/* The operand where none is given: frames or a scene that --set names, which is removed from the list. NULL: none. */
 static const char *operand_of(cli_list *sets, int32_t *names_scene) {
     static const char *const keys[] = {"frames.file=", "scene.file="};
     const char *operand = NULL;
@@ -14,7 +14,7 @@ static const char *operand_of(cli_list *sets, int32_t *names_scene) {
         for (size_t i = 0; i < sets->count; i++) {
             const char *value = sets->items[i] + length;
             if (strncmp(sets->items[i], keys[k], length) == 0)
-                operand = value; /* the last one, as of any key */
+                operand = value; /* the last one, like any key */
             else
                 sets->items[kept++] = sets->items[i];
         }
@@ -30,14 +30,14 @@ static int check_frames(const char *file) {
     tides_error error = {TIDES_OK, ""};
     tides_frames_options options;
     tides_frames *frames = NULL;
-    if (strcmp(file, "-") == 0 || cli_ends_in(file, ".y4m")) return CLI_GO; /* a pipe is read once */
+    if (strcmp(file, "-") == 0 || cli_ends_in(file, ".y4m")) return CLI_GO; /* a pipe can be read only once */
     tides_frames_options_defaults(&options);
     const tides_status status = tides_frames_open(file, &options, &frames, &error);
     tides_frames_close(frames);
     return status == TIDES_OK || status == TIDES_BAD_CONFIG ? CLI_GO : cli_fail(&error);
 }
 
-/* Refuses a file, given without a run file, with the reason of the scenes' reader; CLI_GO where it is a scene. */
+/* Refuses a file, given without a run file, that the reader of scenes can't read, with its reason; else CLI_GO. */
 static int check_scene(const char *file) {
     tides_error error = {TIDES_OK, ""};
     tides_scene *scene = NULL;

@@ -1,4 +1,4 @@
-/* tides tracks: points on surfaces, followed through the motion. */
+/* tides tracks: writes points on surfaces, followed through the motion. */
 #include "take.h"
 
 static void report(cJSON *facts, const tides_session_taken *taken) {

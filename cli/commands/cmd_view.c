@@ -53,7 +53,7 @@ typedef struct job {
 
 static int parse_kind(const cli_command *command, const char *name, job *j) {
     const char *names[KINDS + 2] = {NULL};
-    names[KINDS] = "truth"; /* of files that aren't events' (below) */
+    names[KINDS] = "truth"; /* names of kinds; the last is for files of ground truth */
     for (size_t i = 0; i < KINDS; i++) {
         names[i] = kinds[i].name;
         if (strcmp(name ? name : "frame", kinds[i].name) != 0) continue;

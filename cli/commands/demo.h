@@ -1,4 +1,4 @@
-/* The demo's files. */
+/* The files of the demo's world. */
 #ifndef CLI_DEMO_H
 #define CLI_DEMO_H
 

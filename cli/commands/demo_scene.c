@@ -1,5 +1,5 @@
-/* Writes the demo's world, the library's fan, as a user would have it: splat files, path files, and a run file that names them.
- * A moving part becomes an object of its own, so that the folder shows how a run puts objects together. */
+/* Writes the demo's world, the library's fan, as a user would have it: splat files, path files, and a run file. The moving part
+ * becomes an object of its own, as an example of a run with several objects. */
 #include "demo.h"
 #include "scene_run.h"
 
@@ -26,7 +26,7 @@ static tides_status save_path(const tides_trajectory *trajectory, const tides_in
     return status == TIDES_OK ? tides_path_save(path, trajectory, camera, error) : status;
 }
 
-/* Objects at rest go to `room`; moving ones to `fan`, without their path, which goes to fan.json. */
+/* Puts objects at rest into `room` and moving ones into `fan`. These have their path in fan.json. */
 static tides_status sort_objects(const tides_scene *scene, tides_scene *room, tides_scene *fan, const char *directory,
                                  tides_error *error) {
     tides_status status = TIDES_OK;

@@ -22,7 +22,7 @@ static cJSON *read_json(const char *file) {
 static int32_t is_preset(const cJSON *json) {
     int32_t groups = 0;
     const cJSON *item;
-    if (!cJSON_IsObject(json)) return 0; /* what a list holds has no names */
+    if (!cJSON_IsObject(json)) return 0; /* items of a list have no names */
     cJSON_ArrayForEach(item, json) {
         const int32_t group = strcmp(item->string, "sensor") == 0 || strcmp(item->string, "frontend") == 0 ||
                               strcmp(item->string, "readout") == 0 || strcmp(item->string, "image") == 0 ||
@@ -35,7 +35,7 @@ static int32_t is_preset(const cJSON *json) {
     return groups > 0;
 }
 
-/* A run that names it says whether its keys and values are right. */
+/* Checks keys and values by a run that uses the preset. */
 static tides_status check(const char *file, int32_t is_file, tides_error *error) {
     char folder[PATH_MAX] = "", name[PATH_MAX];
     const char *slash = strrchr(file, '/');
@@ -53,7 +53,7 @@ static tides_status check(const char *file, int32_t is_file, tides_error *error)
     return status;
 }
 
-/* "documented, 0.15 to 0.25: 25 % nominal ..." */
+/* Adds a source: "documented, 0.15 to 0.25: 25 % nominal ...". */
 static void add_source(cJSON *sources, const char *key, const cJSON *item, const char *kind) {
     char text[1024] = "";
     const cJSON *spread = cJSON_GetObjectItemCaseSensitive(item, "spread");
@@ -84,11 +84,11 @@ int32_t info_preset_kinds(const cJSON *json, const char *kind) {
     return count;
 }
 
-/* "sensor.threshold_on": 0.25 */
+/* Adds values: "sensor.threshold_on": 0.25. */
 static void add_values(const cJSON *json, cJSON *values, cJSON *sources) {
     const cJSON *group, *item;
     cJSON_ArrayForEach(group, json) {
-        if (!cJSON_IsObject(group)) continue; /* resolution */
+        if (!cJSON_IsObject(group)) continue; /* such as resolution */
         cJSON_ArrayForEach(item, group) {
             char key[96];
             const cJSON *value = cJSON_IsObject(item) ? cJSON_GetObjectItemCaseSensitive(item, "value") : item;

@@ -1,11 +1,11 @@
-/* Folders of recordings as datasets are downloaded: which has frames and poses where. Frames' times are found as for
+/* Folders of recordings as datasets are downloaded: where frames and poses are. The times of frames are found like those of
  * frames.file.
  *
  *   ECD       images/ and images.txt; calib.txt; groundtruth.txt
  *   EDS       images/ and images_timestamps.txt; stamped_groundtruth.txt
  *   DSEC      images/left/rectified/ and images/timestamps.txt
  *   HS-ERGB   images_corrected/ and timestamp.txt in it;  BS-ERGB: images/ and timestamp.txt in it
- *   TUM-VIE, HQF  as far as their pictures were unpacked to .png, with a list of times beside them */
+ *   TUM-VIE, HQF  if their pictures were unpacked to .png, with a list of times beside them */
 #include "recording_folder.h"
 
 #include <math.h>
@@ -52,7 +52,7 @@ static void find_poses(const char *folder, recording_folder *found) {
     }
 }
 
-/* ECD's calib.txt: fx fy cx cy k1 k2 p1 p2 k3, pixel centres at whole numbers; ours are at halves. */
+/* Reads ECD's calib.txt: fx fy cx cy k1 k2 p1 p2 k3. Its pixel centres are whole numbers; those of TIDES are at .5. */
 static void find_lens(const char *folder, recording_folder *found) {
     char path[RECORDING_PATH];
     size_t size = 0;

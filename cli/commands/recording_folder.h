@@ -1,4 +1,4 @@
-/* Content of a recording's folder beside its events, for `tides info` and `tides init`. */
+/* The frames, poses and lens in a recording's folder, for `tides info` and `tides init`. */
 #ifndef CLI_RECORDING_FOLDER_H
 #define CLI_RECORDING_FOLDER_H
 
@@ -11,19 +11,19 @@ typedef struct recording_folder {
     char frames[RECORDING_PATH], poses[RECORDING_PATH]; /* "" where there are none */
     size_t frame_count;
     int32_t frame_width, frame_height;
-    double first_s, last_s;         /* of the frames */
+    double first_s, last_s;         /* [s] of the frames */
     double poses_first, poses_last; /* [s] */
     double lens[RECORDING_LENS];
     int32_t lens_count; /* 0: no calib.txt */
 } recording_folder;
 
-/* Looks into `folder`, as datasets come. TIDES_FILE_NOT_FOUND where it holds no events; what else it lacks is left empty. */
+/* Reads `folder`. TIDES_FILE_NOT_FOUND where it holds no events; other parts that it lacks are left empty. */
 tides_status recording_folder_read(const char *folder, recording_folder *found, tides_error *error);
-/* Fills the rest of `found`, which holds the summary of the folder's events and is empty otherwise. */
+/* Fills in the rest of `found`, which has only the summary of the folder's events. */
 void recording_folder_look(const char *folder, recording_folder *found);
-/* Adds what is beside the events of a folder, which `summary` is of, with those lines as notes. */
+/* Adds facts of the frames, poses and lens beside the events of a folder, and their notes. `summary` is of the events. */
 void recording_folder_facts(const char *folder, const tides_event_summary *summary, cJSON *facts);
-/* Lines on what frames and events are to each other: of other cameras, of other times; "" where nothing is to be said. */
+/* Notes on frames that don't match the events: another camera, other times; "" for none. */
 void recording_folder_lines(const recording_folder *found, char *text, size_t size);
 
 #endif

@@ -1,7 +1,7 @@
-/* The run file of a made world. */
+/* Writes the run file of a made world. */
 #include "scene_run.h"
 
-/* `name`: { ... } in `parent`; a lack of memory shows when the text is printed. */
+/* Adds an empty object `name`. If memory runs out, printing the text reports it. */
 static cJSON *group(cJSON *parent, const char *name) { return cJSON_AddObjectToObject(parent, name); }
 
 static void add_objects(cJSON *scene, const scene_run *run) {
@@ -28,7 +28,7 @@ static cJSON *run_json(const scene_run *run) {
     cJSON_AddNumberToObject(sensor, "threshold_off", 0.2);
     cJSON_AddStringToObject(stepping, "mode", "error");
     cJSON_AddNumberToObject(stepping, "step_s", 0.01);
-    if (run->seed) cJSON_AddStringToObject(json, "seed", run->seed); /* unwritten, each drawn run of a batch has its own */
+    if (run->seed) cJSON_AddStringToObject(json, "seed", run->seed); /* without one, each drawn run of a batch has its own */
     return json;
 }
 

@@ -5,13 +5,13 @@
 #include "cli.h"
 
 typedef struct scene_run {
-    const char *scene_file, *camera_file;      /* as the run file should name them */
-    const char *object_file, *trajectory_file; /* an object of its own; NULL: none */
-    const char *seed;                          /* of the simulation; NULL: unsaid */
+    const char *scene_file, *camera_file;      /* names for the run file */
+    const char *object_file, *trajectory_file; /* of a moving object; NULL: none */
+    const char *seed;                          /* of the simulation; NULL: not written */
     const tides_world *world;
 } scene_run;
 
-/* The run file at `path`. */
+/* Writes the run file to `path`. */
 tides_status scene_run_write(const char *path, const scene_run *run, tides_error *error);
 
 #endif

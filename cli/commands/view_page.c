@@ -1,4 +1,4 @@
-/* tides view -o OUT.html: the library's page of an event file, and what the page leaves out said in a line. */
+/* tides view -o OUT.html: writes the library's page of an event file, and prints what the page leaves out. */
 #include "view_page.h"
 
 #include <math.h>

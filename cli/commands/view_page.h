@@ -4,8 +4,7 @@
 
 #include "recording.h"
 
-/* Writes the page of the stretch, its `file` read as its `format`, and says what is in it; the exit code. `most` is the text of
- * --max-events, or NULL. */
+/* Writes the page of a stretch and prints a summary; returns the exit code. `most` is the text of --max-events, or NULL. */
 int view_page(const cli_command *command, const cli_stretch *stretch, const char *most, const char *out,
               const cli_common *common);
 

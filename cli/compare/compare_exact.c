@@ -1,10 +1,10 @@
-/* The exact stream of a comparison: the ideal pixel with the run's thresholds (tides_session_exact).
+/* The exact stream of a comparison: that of the ideal pixel with the run's thresholds (tides_session_exact).
  *
- * On a scene it is the cubic under error control. It is refined until halving the steps moves nothing any more, or until single
- * precision or a level of 500 full renders end it. The results report what the last halving moved. Rounding to single precision
- * moves events of slow pixels by a fraction of a microsecond, in methods and exact stream alike: --double takes the reference
- * for the latter. On frames it is the crossings of straight lines in log luminance from frame to frame, in double precision,
- * since the light between frames isn't known. */
+ * On a scene, the cubic under error control is refined until halving the steps no longer moves events, or up to the limit of
+ * single precision or of 500 full renders per level. The results report how far the last halving moved events. Rounding to
+ * single precision moves events of slow pixels by a fraction of a microsecond, in methods and exact stream alike; --double
+ * computes the exact stream in double. On frames, the exact stream is that of straight lines in log luminance from frame to
+ * frame, in double precision, since the light between frames isn't known. */
 #include "compare.h"
 
 const char *compare_exact_what(const comparison *c) {

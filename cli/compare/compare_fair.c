@@ -45,7 +45,7 @@ tides_status compare_run_fair(comparison *c, const compare_row *row, const cli_l
 static tides_status check_size(const comparison *c, tides_error *error) {
     const cli_window *w = &c->recording;
     const tides_intrinsics *size = &c->session.intrinsics;
-    const int32_t said = w->facts.width > 0; /* else it is only as large as its events reach */
+    const int32_t said = w->facts.width > 0; /* otherwise the size comes from the events */
     if (w->width > size->width || w->height > size->height)
         return cli_error(error, TIDES_BAD_ARGUMENT, "%s: is %dx%d px and the run %dx%d px: tides cut --roi makes it as small",
                          c->recording_file, w->width, w->height, size->width, size->height);
@@ -56,7 +56,7 @@ static tides_status check_size(const comparison *c, tides_error *error) {
     return TIDES_OK;
 }
 
-/* The recording's own stretch: where its file says so, else that of its events. */
+/* The recording's own interval: that of the file, or else that of its events. */
 static void set_interval(comparison *c) {
     compare_fair *f = &c->fair;
     const cli_window *w = &c->recording;
@@ -77,7 +77,7 @@ static tides_status no_events(const comparison *c, tides_error *error) {
                      1e-9 * (double)(w->stop_ns - !c->fair.stop), asked ? "which is what is asked for" : "the run's time");
 }
 
-/* --start and --stop within the run's time. */
+/* Limits the interval to --start and --stop, and to the run's time. */
 static tides_status set_asked(comparison *c, tides_error *error) {
     compare_fair *f = &c->fair;
     int64_t first, stop;

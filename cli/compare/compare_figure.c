@@ -1,5 +1,5 @@
-/* The picture of a comparison with the exact stream: its events and where the picture looks closely, how far each method is
- * off, and a panel for each in which every event hangs on the exact one. */
+/* The picture of a comparison with the exact stream: its events and the place of the close view, the distribution of each
+ * method's errors, and the close view, in which a line joins each event to the nearest exact one. */
 #include "compare_zoom.h"
 #include "plot.h"
 
@@ -11,7 +11,7 @@
 enum { WIDTH = 640, HEIGHT = 480, LEFT = 100, RIGHT = 28, TOP = 72, BOTTOM = 64, HEADER = 92, MARGIN = 24 /* [px] */ };
 enum { STREAMS_MAX = COMPARE_METHODS_MAX, UP = 2, DOWN = 4 /* shapes of ON and OFF */ };
 
-/* Classes of |dt|, and their colours of the theme's series: from blue to red, each darker or lighter than its neighbours. */
+/* Classes of |dt|, and their colours among the theme's series: from blue to red, neighbours of different lightness. */
 enum { CLASSES = 5 };
 static const double class_ends_ns[CLASSES] = {1e3, 1e4, 1e5, 1e6, INFINITY};
 static const char *const class_names[CLASSES] = {"|dt| < 1 us", "< 10 us", "< 100 us", "< 1 ms", "more"};
@@ -85,7 +85,7 @@ static int32_t draw_overview(figure *f) {
     return view_draw_xyt(&f->canvas, &eye, &shown, &part);
 }
 
-/* The share of a stream's events that are no further off than x, and a marker at the median. */
+/* Draws the share of a stream's events whose error is at most x, and a marker at the median. */
 static void draw_share(figure *f, const plot_panel *panel, int32_t style) {
     enum { PER_DECADE = 12, LOWEST = 0 /* decades of ns */, DECADES = 9, BINS = PER_DECADE * DECADES };
     const stream *s = &f->streams[style];

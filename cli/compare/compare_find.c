@@ -1,4 +1,4 @@
-/* Values of reports, found by their path, and numbers as tables have them. */
+/* Finds values of reports by their path, and formats numbers for tables. */
 #include "compare.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* Pixels that are left out of a comparison: a PNG of the sensor's size whose black pixels don't count, or a text file with a
- * pixel's x and y on each line, as lists of hot pixels come. */
+/* Pixels that a comparison leaves out: a PNG of the sensor's size, whose black pixels don't count, or a text file with x and y
+ * of a pixel on each line, the form of lists of hot pixels. */
 #include "compare.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* index.html: the tables, the picture, what each method was told; and with --keep pages of the streams, to turn and to play. */
+/* index.html of a comparison: the tables, the picture, each method's settings; and with --keep a page of events for each
+ * stream. */
 #include "compare.h"
 #include "html.h"
 

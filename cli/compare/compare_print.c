@@ -1,4 +1,4 @@
-/* All of a comparison on the terminal: the tables, what their columns mean, and what was told to each method. */
+/* Prints a comparison on the terminal: the tables, the meaning of their columns, and each method's settings. */
 #include "compare.h"
 
 #include <stdio.h>
@@ -8,7 +8,7 @@ enum { NAME_WIDTH = 14 };
 
 static int32_t has_own_settings(const comparison *c) { return compare_ideal(c) == TIDES_IDEAL_SENSOR; }
 
-/* 1 where a later setting has the same key, as one that was searched has. */
+/* 1 where a later setting has the same key, such as one found by a search. */
 static int32_t is_replaced(const cJSON *setting) {
     const size_t length = strcspn(setting->valuestring, "=") + 1;
     for (const cJSON *later = setting->next; later; later = later->next)
@@ -23,7 +23,7 @@ void compare_put_parameters(const comparison *c, const cJSON *row, void (*put)(F
     char text[128];
     if (has_own_settings(c)) {
         cJSON_ArrayForEach(one, settings) {
-            if (one == settings->child || is_replaced(one)) continue; /* the first is the method */
+            if (one == settings->child || is_replaced(one)) continue; /* the first one chooses the method */
             fputs(between, file);
             put(file, one->valuestring);
             between = ", ";

@@ -1,6 +1,5 @@
-/* The picture of a comparison with a recording, as a paper has it: for each stream event frames side by side at four times, the
- * busiest row of pixels over time, and where it has too many or too few events; below them rates, and intervals after each
- * polarity. */
+/* The picture of a comparison with a recording. Each stream has a row: event frames at four times, the busiest row of pixels
+ * over time, and a map of too many or too few events. Below are rates, and intervals after each polarity. */
 #include "compare.h"
 #include "plot.h"
 
@@ -13,15 +12,15 @@
 
 enum { FRAMES = 4, PANELS = FRAMES + 2, PANEL = 300 /* px wide, about */, GAP = 16, LEFT = 190, TOP = 84, PLOTS = 420 };
 enum { STREAMS_MAX = COMPARE_METHODS_MAX + 1, TILE = 16 /* px */, BINS = 120, PLOT_COUNT = 3 };
-#define FRAME_FILL 0.06 /* events of a frame by pixels: edges are lines, and don't touch */
+#define FRAME_FILL 0.06 /* events of a frame per pixel: edges are then lines that don't touch */
 
 typedef struct figure {
     const comparison *c;
     cli_canvas canvas;
     const char *names[STREAMS_MAX];
-    cli_stream streams[STREAMS_MAX]; /* what is compared of each: the recording first */
+    cli_stream streams[STREAMS_MAX]; /* their parts that are compared: the recording first */
     int32_t count;
-    int32_t width, height, less, times; /* of a panel's image: `less` px of the sensor are one of it, which is `times` px */
+    int32_t width, height, less, times; /* of a panel's image: a pixel is `less` px of the sensor, and is drawn as `times` px */
     int64_t frame_ns[FRAMES], frame_length;
     int32_t row;
     uint8_t *rgb; /* room for a panel's image */
@@ -49,7 +48,7 @@ static int32_t in_burst(const comparison *c, int64_t from, int64_t to) {
     return 0;
 }
 
-/* Chooses frames in the middle of each quarter, or as soon after as no burst is cut out. */
+/* Chooses frames in the middle of each quarter, or as soon after that as no burst is cut out. */
 static void choose_frames(figure *f) {
     const compare_fair *fair = &f->c->fair;
     const double span = (double)(fair->stop_ns - fair->start_ns);
@@ -87,7 +86,7 @@ static void put_image(figure *f, int32_t stream, int32_t panel) {
     canvas_outline(&f->canvas, left, top, left + f->width * f->times, top + f->height * f->times, f->canvas.theme->frame);
 }
 
-/* Events where `place` puts them in the image, or nowhere. */
+/* The place of an event in a panel's image; 0: it isn't drawn. */
 typedef int32_t (*placer)(const figure *f, const tides_event *e, int32_t panel, int32_t *x, int32_t *y);
 
 static int32_t in_frame(const figure *f, const tides_event *e, int32_t panel, int32_t *x, int32_t *y) {
@@ -96,7 +95,7 @@ static int32_t in_frame(const figure *f, const tides_event *e, int32_t panel, in
     return e->t >= f->frame_ns[panel] && e->t < f->frame_ns[panel] + f->frame_length;
 }
 
-/* Time goes downwards. */
+/* Places an event by its column and time, which goes downwards. */
 static int32_t in_row(const figure *f, const tides_event *e, int32_t panel, int32_t *x, int32_t *y) {
     const compare_fair *fair = &f->c->fair;
     (void)panel;
@@ -123,7 +122,8 @@ static tides_status draw_events(figure *f, int32_t stream, int32_t panel, placer
     return TIDES_OK;
 }
 
-/* Events of tiles: of the recording how many, dark where most; of others red where too many, blue where too few. */
+/* Draws numbers of events by tiles: for the recording dark where most are, for others red where there are too many and blue
+ * where too few. */
 static tides_status draw_regions(figure *f, int32_t stream, tides_error *error) {
     const int32_t across = (f->c->session.intrinsics.width - 1) / TILE + 1,
                   down = (f->c->session.intrinsics.height - 1) / TILE + 1;
@@ -140,7 +140,7 @@ static tides_status draw_regions(figure *f, int32_t stream, tides_error *error) 
         for (int32_t x = 0; x < f->width; x++) {
             const int32_t tile = y * f->less / TILE * across + x * f->less / TILE;
             const double there = counts[2 * tile], here = counts[2 * tile + 1], all = here + there;
-            /* A tile with less than a hundredth of the busiest one's says nothing. */
+            /* A tile with less than a hundredth of the events of the busiest isn't judged. */
             const double off = all > 0.01 * most ? (here - there) / fmax(there, 0.1 * most) : 0;
             const canvas_colour colour = stream == 0
                                              ? canvas_mix(theme->paper, theme->ink, there / most)
@@ -233,7 +233,7 @@ static void draw_rates(figure *f, curves *all) {
                 all);
 }
 
-/* Decades of ns that intervals are drawn over, and their density by decade. */
+/* Decades of ns over which intervals are drawn; the curves are their density per decade. */
 enum { FROM = 5, TO = 9, SMOOTH = 3 /* bins on either side */ };
 
 static tides_status draw_intervals(figure *f, int32_t place, int32_t on, curves *all, tides_error *error) {

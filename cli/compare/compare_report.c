@@ -1,4 +1,4 @@
-/* Results of a comparison as files: JSON, and CSV made of it. */
+/* Writes the results of a comparison as JSON, and a CSV made of it. */
 #include "compare.h"
 
 #include <stdio.h>
@@ -20,7 +20,7 @@ static int32_t add_exact(cJSON *root, const comparison *c) {
     if (!c->with_exact) return 1;
     int32_t ok = json && cJSON_AddStringToObject(json, "what", compare_exact_what(c)) &&
                  cJSON_AddNumberToObject(json, "events", (double)e->count);
-    if (!ok || c->session.frames) return ok; /* closed form: nothing was halved */
+    if (!ok || c->session.frames) return ok; /* closed form, without halvings */
     return cJSON_AddNumberToObject(json, "steps_per_s", e->steps_per_s) &&
            cJSON_AddNumberToObject(json, "tolerance", e->tolerance) &&
            cJSON_AddNumberToObject(json, "halved_median_us", e->moved.dt_median_us) &&

@@ -1,4 +1,4 @@
-/* Running a row's method, and keeping what it fired. */
+/* Runs a row's method, and keeps its events. */
 #include "compare.h"
 
 #include <stdlib.h>
@@ -25,7 +25,7 @@ tides_status compare_keep_events(const comparison *c, const char *name, const ti
     return status;
 }
 
-/* The row's session as it is configured, run and measured. */
+/* Runs the configured session, and measures it. */
 static tides_status work(comparison *c, compare_row *row, tides_session *session, tides_error *error) {
     tides_session_facts facts;
     tides_session_get(session, &facts);
@@ -38,7 +38,7 @@ static tides_status work(comparison *c, compare_row *row, tides_session *session
                               : status;
 }
 
-/* A tolerance that the run chose for itself, in place of null. */
+/* Notes a tolerance that the run chose for itself. */
 static tides_status tell_tolerance(compare_row *row, tides_error *error) {
     static const char key[] = "stepping.tolerance";
     if (!cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(row->parameters, key))) return TIDES_OK;

@@ -1,4 +1,4 @@
-/* Streams against streams: the metrics of each row, and how good any could be. */
+/* Compares streams: the metrics of each row, and the floors, the scores that a perfect simulator could reach. */
 #include "compare.h"
 
 #include <stdlib.h>
@@ -26,7 +26,7 @@ tides_status compare_measure(comparison *c, const tides_event *events, size_t co
 tides_status compare_score(comparison *c, compare_row *row, tides_error *error) {
     tides_status status = TIDES_OK;
     cli_stream kept;
-    /* Straight lines between frames are TIDES's own way there: it isn't held against itself. */
+    /* On frames the exact stream is TIDES' own straight lines, so that TIDES isn't compared with it. */
     if (c->with_exact && !(c->session.frames && strcmp(row->name, "tides") == 0))
         status = compare_measure(c, c->exact.events, c->exact.count, &row->stream, COMPARE_EXACT, WANTED, NULL,
                                  &row->against[COMPARE_EXACT], error);
@@ -41,7 +41,7 @@ tides_status compare_score(comparison *c, compare_row *row, tides_error *error) 
 
 /* -- floors ---------------------------------------------------------------------------------------------------------------- */
 
-/* The run once more, from references anywhere between the levels: nobody knows where the recording's pixels had them. */
+/* Runs TIDES again, from references anywhere between the levels: those of the recording's pixels aren't known. */
 static tides_status run_again(comparison *c, const compare_row *row, uint64_t seed, cli_stream *kept, tides_error *error) {
     char text[COMPARE_SETTING];
     cli_list more = row->found;
@@ -65,8 +65,8 @@ static tides_status of_seeds(comparison *c, const compare_row *row, tides_error 
     return status;
 }
 
-/* Even columns and odd ones see nearly the same light: the recording against itself. Scores by single pixels are no floor
- * there, since neighbours see an edge at different times; distributions, counts and rates are. */
+/* Compares the recording's even columns with its odd ones, which see nearly the same light. Scores by single pixels have no
+ * floor here, since neighbours see an edge at different times; distributions, counts and rates have. */
 static tides_status of_pixels(comparison *c, tides_error *error) {
     const cli_window *w = &c->recording;
     cli_stream halves[2] = {{.events = malloc((w->count + 1) * sizeof *w->events)},

@@ -1,13 +1,13 @@
-/* Each method at its own best: its parameters are moved, one at a time and by factors, as long as that brings its stream nearer
- * to the recording by the Victor-Purpura fraction, the score that ranks right under every known degradation. All methods have
- * the same number of runs, TIDES too. From a value of 0 none moves. */
+/* Finds each method's best parameters. They are varied one at a time, by factors, while that brings the stream closer to the
+ * recording by the Victor-Purpura fraction. This score ranks right under every known degradation. All methods, TIDES too, have
+ * the same number of runs. Parameters that are 0 aren't varied. */
 #include "compare.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The first factor; its root where a whole round brings nothing. */
+/* The first factor; after a round without success its root is used. */
 #define FIRST_FACTOR 1.3
 #define LEAST_FACTOR 1.01
 
@@ -28,7 +28,7 @@ static void write_found(search *s, const double *values) {
     }
 }
 
-/* The score of some values of the searched keys; infinite where the method refuses them. */
+/* The score for some values of the parameters; infinite where the method refuses them. */
 static tides_status attempt(search *s, const double *values, double *score, tides_error *error) {
     comparison *c = s->c;
     cli_stream kept = {.events = NULL};
@@ -48,7 +48,7 @@ static tides_status attempt(search *s, const double *values, double *score, tide
     return status == TIDES_CANCELLED || status == TIDES_NO_MEMORY ? status : TIDES_OK;
 }
 
-/* The values that the method begins with. */
+/* The method's initial values. */
 static tides_status begin(search *s, tides_error *error) {
     tides_session *session = NULL;
     tides_session_facts facts;
@@ -65,7 +65,7 @@ static tides_status begin(search *s, tides_error *error) {
     return attempt(s, s->values, &s->best, error);
 }
 
-/* Tries a parameter moved up, else moved down; *better is 1 where that is nearer. */
+/* Tries a parameter multiplied, then divided, by the factor. *better is 1 where that helped. */
 static tides_status move(search *s, int32_t which, double factor, int32_t *better, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int32_t way = 0; way < 2 && s->runs < s->c->search && status == TIDES_OK; way++) {

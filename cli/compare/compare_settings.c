@@ -1,5 +1,5 @@
-/* The methods of a comparison and their settings: each run as an ideal pixel with the thresholds of the run
- * (tides_ideal_settings says what that is), or as it is configured. */
+/* The methods of a comparison and their settings. Each runs as an ideal pixel with the run's thresholds (tides_ideal_settings),
+ * or as configured. */
 #include "compare.h"
 
 #include <stdio.h>
@@ -10,10 +10,10 @@
 
 /* clang-format off */
 static const struct method {
-    const char *name, *method; /* of the row, in the run file */
-    const char *always;   /* a setting that makes the row what it is, or NULL */
-    const char *shown[3]; /* the keys that the results tell */
-    const char *pace;     /* and of a scene the one that says how often it is rendered */
+    const char *name, *method; /* the row's name; its name in run files */
+    const char *always;   /* a setting that defines the row, or NULL */
+    const char *shown[3]; /* keys that results show */
+    const char *pace;     /* for scenes, the key that sets how often it renders */
     const char *searched[COMPARE_SEARCHED + 1];
     int32_t scenes_only;
 } methods[] = {
@@ -48,7 +48,7 @@ int32_t compare_scenes_only(const char *method) { return find_method(method)->sc
 
 const char *const *compare_searched(const char *method) { return find_method(method)->searched; }
 
-/* A recording is of a real sensor: each method gets it in parameters of its own, as near as these come. */
+/* A recording is of a real sensor: each method is given this sensor, as far as its own parameters can express it. */
 int32_t compare_ideal(const comparison *c) {
     if (!c->as_configured) return TIDES_IDEAL_PIXEL;
     return c->recording_file ? TIDES_IDEAL_SENSOR : TIDES_IDEAL_THRESHOLDS;
@@ -56,7 +56,7 @@ int32_t compare_ideal(const comparison *c) {
 
 /* -- a run of one's own -------------------------------------------------------------------------------------------------- */
 
-/* Fills the settings and parameters that the results report of the row's run; 0: out of memory. */
+/* Notes the settings and parameters of the row's run for the results; 0: out of memory. */
 static int32_t tell(compare_row *row, const char *const *texts, size_t count, const struct method *m,
                     const tides_session_facts *session) {
     row->settings = cJSON_CreateArray();
@@ -72,8 +72,8 @@ static int32_t tell(compare_row *row, const char *const *texts, size_t count, co
     return ok;
 }
 
-/* Readout, filters and labels are the other methods' neither on scenes nor on frames: they are compared without. TIDES's own
- * are refused where they can't be had. */
+/* Settings that other methods don't have, neither on scenes nor on frames: readout, filters and labels are off for them. TIDES
+ * keeps the run's, and the library refuses combinations that it can't have. */
 static const char *const of_tides[] =
     {"readout.enabled=false",         "sensor.labels=false", "filters.background_s=0", "filters.activity_low_start=0",
      "filters.activity_high_start=0", "filters.afk=off",     "filters.trail=off",      "filters.erc_events=0"};

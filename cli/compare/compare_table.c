@@ -1,8 +1,8 @@
 /* The tables of a comparison: one for each reference, a line for each stream, as text, as HTML and in LaTeX.
  *
- * Scores of a recording stand in the order of what they were tested to see (tests/golden/test_scores.c): those that rank right
- * under every known degradation, then those that see some. A score that another count of events moves the wrong way stands in
- * brackets where counts differ by more than a quarter. */
+ * Scores of a recording are ordered by a test of what they see (tests/golden/test_scores.c): first those that rank right under
+ * every known degradation, then those that see some. A score that improves when the number of events is wrong is in brackets,
+ * if numbers differ by more than a quarter. */
 #include "compare.h"
 #include "html.h"
 
@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A column: of `own` the reference has a value too. */
+/* A column. The reference has a value too where `own`. */
 typedef struct column {
     const char *title, *own, *path;
     int32_t where; /* OF_EXACT ... */
@@ -51,10 +51,10 @@ static int32_t is_shown(const column *k, int32_t reference, int32_t on_page) {
 
 /* -- lines ---------------------------------------------------------------------------------------------------------------- */
 
-/* A stream's line: of the reference, of a floor, or of a method. */
+/* A line: of the reference, of a floor, or of a method. */
 typedef struct line {
     const char *name, *failed;
-    const cJSON *metrics, *row; /* NULL where it has none, or is no method */
+    const cJSON *metrics, *row; /* NULL: it has none, or isn't a method */
     int32_t of_reference;       /* 1: its own values */
 } line;
 enum { LINES_MAX = COMPARE_METHODS_MAX + 1 + COMPARE_FLOORS };
@@ -127,7 +127,7 @@ void compare_print_table(const cJSON *report, int32_t reference) {
 
 /* -- what it means -------------------------------------------------------------------------------------------------------- */
 
-/* The meaning of a column, and which way is better; NULL for a column of a stream by itself. */
+/* The meaning of a column, and which way is better; NULL for a column of a single stream. */
 static const char *meaning_of(const column *k, char text[CLI_MEANING]) {
     static const char part[] = "comparison.";
     const size_t prefix = sizeof part - 1;

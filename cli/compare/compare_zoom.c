@@ -1,5 +1,5 @@
-/* Close view of how methods differ: a stretch of one row of pixels, where most happens. Each event stands beside the nearest
- * exact one. */
+/* The close view of a comparison: a part of a row of pixels and of time, where most happens. A line joins each event to the
+ * nearest exact one. */
 #include "compare_zoom.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@ static size_t place_of(const compare_index *index, const tides_event *e) {
     return 2 * ((size_t)e->y * (size_t)index->width + e->x) + (e->polarity > 0);
 }
 
-/* Exact events are in order of time, and so they are at each place: counted, then put where they belong. */
+/* A counting sort by place. Exact events are in order of time, and so they stay within each place. */
 tides_status compare_index_make(const comparison *c, compare_index *index, tides_error *error) {
     const size_t count = c->exact.count;
     index->width = c->session.intrinsics.width;
@@ -49,7 +49,7 @@ double compare_offset_ns(const compare_index *index, const tides_event *e) {
 
 /* -- where ----------------------------------------------------------------------------------------------------------------- */
 
-enum { ZOOM_WIDTH = 24 /* px */, ZOOM_EVENTS = 120 /* that are told apart */ };
+enum { ZOOM_WIDTH = 24 /* px */, ZOOM_EVENTS = 120 /* ZOOM_EVENTS can be told apart */ };
 
 static int32_t is_inside(const view_mark *zoom, const tides_event *e) {
     return e->y == zoom->y && e->x >= zoom->x && e->x < zoom->x + zoom->width && e->t >= zoom->first_ns && e->t < zoom->stop_ns;
@@ -65,7 +65,7 @@ cli_window compare_zoom_events(const view_mark *zoom, const tides_event *events,
     return found;
 }
 
-/* The part of a row that has most exact events. */
+/* The part of a row with the most exact events. */
 static tides_status choose_place(const comparison *c, view_mark *zoom, tides_error *error) {
     const int32_t width = c->session.intrinsics.width, height = c->session.intrinsics.height;
     zoom->width = width < ZOOM_WIDTH ? width : ZOOM_WIDTH;
@@ -85,7 +85,7 @@ static tides_status choose_place(const comparison *c, view_mark *zoom, tides_err
     return TIDES_OK;
 }
 
-/* The stretch in the middle of the run: as long as was asked for, else halved until events can be told apart. */
+/* The interval in the middle of the run: as long as asked for, else halved until events can be told apart. */
 tides_status compare_choose_zoom(const comparison *c, view_mark *zoom, tides_error *error) {
     int64_t start, stop;
     compare_interval(c, COMPARE_EXACT, &start, &stop);

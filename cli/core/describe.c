@@ -1,10 +1,10 @@
-/* Which man page or completion a command is asked for. */
+/* Answers `--help=man`, `--help=bash` and `--help=zsh` of a command, and `tides help --man` and so on for the tool. */
 #include "describe.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* How `tides help --KIND` asks each command about its options. */
+/* Asks each command about its options, for `tides help --KIND`. */
 static int ask(const cli_command *command, char *kind) {
     char name[32];
     snprintf(name, sizeof name, "%s", command->name);

@@ -4,7 +4,7 @@
 
 #include "cli.h"
 
-/* Kinds of values of an option, by the word that the usage line has for it. */
+/* Kinds of values of an option, by their word in the usage line. */
 enum {
     DESCRIBE_NOTHING = 0,
     DESCRIBE_FILE,
@@ -15,27 +15,27 @@ enum {
     DESCRIBE_WORDS,
     DESCRIBE_LIST
 };
-int32_t describe_argument(const char *argument); /* this and the words below: describe_words.c */
+int32_t describe_argument(const char *argument); /* describe_words.c: this function and those below */
 /* Prints the words of DESCRIBE_WORDS, a choice ("frame|xyt") or a table's names (LAYOUT), or of DESCRIBE_LIST, with which the
- * option's help begins ("a,b,c: ..."); `between` stands between them. */
+ * option's help begins ("a,b,c: ..."), separated by `between`. */
 void describe_words(const cli_option *option, const char *between);
-/* Names of presets, and of kinds of made scenes. */
+/* Prints the names of presets. describe_kinds: of kinds of made scenes. */
 void describe_presets(const char *between);
 void describe_kinds(const char *between);
-/* The first word of a command's arguments where it is a choice, "accuracy|ablation|image": its length, else 0. */
+/* The length of a command's first argument where that is a choice, such as "accuracy|ablation|image", else 0. */
 int describe_choice(const cli_command *command);
-/* Prints what TIDES_DEVICE's common words are, or the names of event formats that can be written, or the keys that this
- * version acts on, with `between` after each and `after` before it. */
+/* Prints common words of TIDES_DEVICE, the event formats that can be written, or the keys of run files, with `between` after
+ * each and `after` before it. */
 void describe_devices(const char *between);
 void describe_formats(const char *between);
 void describe_keys(const char *after, const char *between);
 
-/* describe_man.c: the page of one command, of the tool, and of the run file. */
+/* describe_man.c: man pages of one command, of the tool, and of the run file. */
 void describe_man_command(const cli_command *command, const cli_option *options);
 void describe_man_tool(const cli_command *commands, size_t count);
 void describe_man_run(void);
 
-/* describe_shell.c: what the completion says about one command (its part of a case), and what stands around that. */
+/* describe_shell.c: completions for one command (a part of a case), and the text around them. */
 void describe_bash_command(const cli_command *command, const cli_option *options);
 void describe_bash_begin(const cli_command *commands, size_t count);
 void describe_bash_end(void);

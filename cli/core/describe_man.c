@@ -1,11 +1,11 @@
-/* Man pages, in the man(7) macros. */
+/* Prints man pages, with the man(7) macros. */
 #include "describe.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
-/* A text that roff takes as it stands: hyphens that are typed, no escapes, no line that looks like a macro. */
+/* Prints a text for roff: hyphens as typed, no escapes, no line that looks like a macro. */
 static void put(const char *text) {
     int32_t fresh = 1;
     for (; *text; text++) {
@@ -24,7 +24,7 @@ static void put_upper(const char *text) {
     for (; *text; text++) putchar(toupper((unsigned char)*text));
 }
 
-/* No date: a page is made from the tool, and says its version. */
+/* Prints the title, without a date: the page has the tool's version. */
 static void put_title(const char *name, int section) {
     fputs(".TH TIDES", stdout);
     if (name[0]) putchar('-');
@@ -49,7 +49,7 @@ static void put_option(const cli_option *o) {
     putchar('\n');
 }
 
-/* Lines stay lines. */
+/* Prints lines that roff doesn't join. */
 static void put_lines(const char *text) {
     for (; *text; text++) {
         const size_t length = strcspn(text, "\n");
@@ -111,6 +111,9 @@ void describe_man_tool(const cli_command *commands, size_t count) {
           ".TP\n\\fBtides \\-\\-version\\fR\nPrints the version.\n",
           stdout);
     fputs(".SH ENVIRONMENT\n.TP\n.B TIDES_DEVICE\nThe device, where neither \\fB\\-\\-device\\fR nor the run file names one.\n"
+          ".TP\n.B TIDES_PYTHON\nThe interpreter that has the Python package: \\fBtides bench live\\fR measures its ROS 2 "
+          "feed. The "
+          "package\\(aqs own \\fBtides\\fR sets it.\n"
           ".TP\n.B TIDES_THREADS\nHow many threads of the host a run has, where \\fB\\-\\-threads\\fR doesn't say; 0: as "
           "many as there are processors.\n"
           ".TP\n.B TIDES_KERNEL_DIR\nA folder to read the OpenCL kernels from, instead of those inside the library.\n",

@@ -1,11 +1,11 @@
-/* Completions for bash and zsh. */
+/* Prints completions for bash and zsh. */
 #include "describe.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether a command's first word is one of a few, by "bash|zsh" of its usage line or KIND; 0 where it is a file. */
+/* 1 where a command's first argument is a choice: "bash|zsh" in its usage line, or KIND; 0 where it is a file. */
 static int has_choices(const cli_command *command) {
     return describe_choice(command) || strncmp(command->arguments, "KIND ", 5) == 0;
 }
@@ -18,7 +18,7 @@ static void put_choices(const cli_command *command, char between) {
 
 /* -- bash ----------------------------------------------------------------------------------------------------------- */
 
-/* Names for compgen -W; "--output|-o" for a case's pattern. */
+/* Prints names for compgen -W. put_pattern: "--output|-o" for a case. */
 static void put_names(const cli_option *o) { o->letter ? printf("%s -%c ", o->name, o->letter) : printf("%s ", o->name); }
 
 static void put_pattern(const cli_option *o) { o->letter ? printf("%s|-%c", o->name, o->letter) : printf("%s", o->name); }
@@ -55,7 +55,7 @@ void describe_bash_command(const cli_command *command, const cli_option *options
     fputs("        esac ;;\n", stdout);
 }
 
-/* bash takes '=' for a word of its own: "--set", "image.rules", "=", "smo". */
+/* Completes keys' values. bash takes '=' as a word of its own: "--set", "image.rules", "=", "smo". */
 static void bash_choices_of_keys(void) {
     size_t count;
     const tides_param *rows = tides_params(&count);
@@ -115,7 +115,7 @@ void describe_bash_end(void) {
 
 /* -- zsh ------------------------------------------------------------------------------------------------------------ */
 
-/* Inside '...[...]' of _arguments: quotes end the text, brackets and colons the part. */
+/* Prints a text within '...[...]' of _arguments, where quotes, brackets and colons must be escaped. */
 static void zsh_text(const char *text) {
     for (; *text; text++) {
         if (*text == '\'')
@@ -144,7 +144,7 @@ static void zsh_option(const cli_option *o) {
     if (o->letter)
         printf("{-%c,%s}'[", o->letter, o->name);
     else
-        printf("'%s%s[", o->list ? "*" : "", o->name); /* a list's option may come again */
+        printf("'%s%s[", o->list ? "*" : "", o->name); /* '*': an option that may be repeated */
     zsh_text(o->help);
     putchar(']');
     if (o->argument) {

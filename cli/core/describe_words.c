@@ -1,4 +1,4 @@
-/* Words that man pages and completions print: the kinds of an option's value, and the names that the library's tables have. */
+/* Words for man pages and completions: the kinds of options' values, and names from the library's tables. */
 #include "describe.h"
 
 #include <stdio.h>
@@ -15,7 +15,7 @@ int32_t describe_argument(const char *argument) {
     return strstr(argument, "FILE") || strchr(argument, '.') ? DESCRIBE_FILE : DESCRIBE_NOTHING;
 }
 
-/* `words` up to its end or to one of `stops`, with `between` in place of `divider`. */
+/* Prints `words` up to its end or one of `stops`, with `between` in place of `divider`. */
 static void put_words(const char *words, const char *stops, char divider, const char *between) {
     for (size_t i = 0, length = strcspn(words, stops); i < length; i++)
         words[i] == divider ? (void)fputs(between, stdout) : (void)putchar(words[i]);

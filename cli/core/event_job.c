@@ -1,4 +1,4 @@
-/* The work of convert and cut on event files: run the conversion, print its result. */
+/* Converts event files, for `tides convert` and `tides cut`, and prints the result. */
 #include "event_job.h"
 
 #include <stdio.h>

@@ -4,22 +4,22 @@
 
 #include "reading.h"
 
-/* How the input is read, into a conversion; CLI_GO or CLI_USAGE. */
+/* Sets how a conversion reads its input, from options; CLI_GO or CLI_USAGE. */
 int cli_conversion_reading(const cli_command *command, const cli_reading *given, tides_event_conversion *what);
 
-/* Converts and reports; the exit code. */
+/* Converts, and prints the result; returns the exit code. */
 int cli_event_convert(const char *in, const char *out, const tides_event_conversion *what, const cli_common *common);
 
-/* One line on stderr where events lost their distance in time. */
+/* Prints a line on stderr where different times became equal in the output's unit. */
 void cli_tell_collapsed(uint64_t collapsed);
 
-/* A number of pixels from the text of `option`; CLI_GO or CLI_USAGE. */
+/* Parses a number of pixels of `option`; CLI_GO or CLI_USAGE. */
 int cli_size(const cli_command *command, const char *option, const char *text, int32_t *size);
 
-/* The table of formats, for --help. */
+/* Prints the table of event formats, for --help. */
 void cli_help_formats(void);
 
-/* The table of scene formats, for --help. */
+/* Prints the table of scene formats, for --help. */
 void cli_help_scenes(void);
 
 #endif

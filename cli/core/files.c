@@ -1,15 +1,15 @@
-/* Whether what a command is to write leaves what it reads, and what else it writes, alone: asked before anything is opened. */
+/* Checks, before anything is opened, that a command's outputs replace neither its inputs nor each other. */
 #include "cli.h"
 
 #include <stdio.h>
 
-enum { FILE_NAME = 4200 }; /* of a file in a folder; longer ones can't be opened */
+enum { FILE_NAME = 4200 }; /* longest path in a folder; longer ones can't be opened */
 
 static void take_names(const cli_output *outputs, size_t count, const char *names[CLI_OUTPUTS_MAX]) {
     for (size_t i = 0; i < count; i++) names[i] = outputs[i].path;
 }
 
-/* Whether each has a name of its kind. */
+/* Checks that each name has the ending of its kind. */
 static tides_status check_names(const cli_output *outputs, size_t count, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < count && status == TIDES_OK; i++)

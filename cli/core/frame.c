@@ -1,4 +1,4 @@
-/* One frame of a session: rendered into planes, and written as EXR. */
+/* Renders one frame of a session into planes, and writes it as EXR. */
 #include "session.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* --help: made from the same tables that the parser and the run file reader use. */
+/* Prints --help, from the tables that the parser and the run file reader use. */
 #include "cli.h"
 
 #include <stdio.h>

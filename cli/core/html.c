@@ -1,4 +1,4 @@
-/* Parts of pages of results. */
+/* Parts of HTML pages with results. */
 #include "html.h"
 
 #include <math.h>
@@ -24,7 +24,7 @@ static const char *const style[] =
      ".no{color:var(--no)}.small{color:var(--soft);font-size:13px}\n",
      NULL};
 
-/* A head sorts its column, again the other way: numbers as numbers, and before texts; empty cells come last. */
+/* A click on a column's head sorts by it, a second one in reverse: numbers as numbers, before texts; empty cells come last. */
 static const char *const script[] =
     {"for (const head of document.querySelectorAll('th')) {\n",
      "    const sort = () => {\n",

@@ -1,4 +1,4 @@
-/* The main job: a run file to an event file, with statistics, a preview and a summary. */
+/* The main job: simulates a run file to an event file, with statistics, a preview and a summary. */
 #include "event_job.h"
 #include "session.h"
 
@@ -9,23 +9,23 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Longest stretch of events in the preview's event panel [s]: about a frame of a camera. */
+/* Longest time of events in the preview's event panel [s]: about a frame of a camera. */
 #define PREVIEW_WINDOW_S 0.010
 
-/* State of a job at work. */
+/* The state of a job. */
 typedef struct job_state {
     tides_session *session;
     tides_session_facts facts;
     cli_progress progress;
     const cli_common *common;
     tides_recorded done;
-    int32_t told, warned; /* where it went on; that a checkpoint failed */
+    int32_t told, warned; /* 1: printed that it goes on from a checkpoint; that one can't be written */
     tides_stats stats;
 } job_state;
 
 /* -- what comes at the end  */
 
-/* The stretch in the middle of the run that the preview shows. */
+/* The interval in the middle of the run for the preview. */
 static cli_window middle(const tides_session_facts *session) {
     const double length = session->values.stop - session->values.start, half = 0.5 * fmin(PREVIEW_WINDOW_S, length);
     const int64_t start_ns = cli_nanoseconds(session->values.start);
@@ -33,7 +33,7 @@ static cli_window middle(const tides_session_facts *session) {
                         .stop_ns = start_ns + (int64_t)ceil(1e9 * (0.5 * length + half))};
 }
 
-/* Every output that comes at the end is tried at the beginning. */
+/* Checks at the beginning that outputs which are written at the end can be written. */
 static tides_status check_outputs(const cli_job *job, tides_error *error) {
     const char *const paths[] = {job->stats, job->preview, job->exr, job->maps};
     tides_status status = TIDES_OK;
@@ -76,7 +76,7 @@ static tides_status write_stats(const char *path, const tides_stats *stats, cons
     return status;
 }
 
-/* Where some of the events aren't the signal's. */
+/* Prints the causes of events, where some aren't the signal's. */
 static void print_causes(const tides_stats *stats) {
     static const char *const names[TIDES_CAUSES] = {"signal", "leak", "shot noise", "hot pixels"};
     if (stats->events_by_cause[TIDES_CAUSE_SIGNAL] == stats->events) return;
@@ -88,7 +88,7 @@ static void print_causes(const tides_stats *stats) {
     putchar('\n');
 }
 
-/* Where events come from: the image, or a model of it, and why. */
+/* Prints where event times come from: look-ups in the image, or the steps' model, and why. */
 static void print_solved(const tides_stats *stats) {
     static const char *const why[] = {[TIDES_UNSOLVED_MODEL] = "stepping.model isn't hermite",
                                       [TIDES_UNSOLVED_SENSOR] =
@@ -140,8 +140,8 @@ static tides_status check_frames(const cli_job *job, const tides_session_facts *
     return TIDES_OK;
 }
 
-/* Whether a run is to go on; where it was to and there is no recording, a line says so. 0 where memory runs out, too: the
- * library then says so. */
+/* 1 where the run goes on from a checkpoint. If it should and there is no recording, a message says so. 0 also if memory runs
+ * out, which the library then reports. */
 static int32_t goes_on(const cli_job *job, const cli_common *common) {
     static const char ending[] = ".checkpoint";
     const size_t bytes = strlen(job->events) + sizeof ending;
@@ -158,7 +158,7 @@ static int32_t goes_on(const cli_job *job, const cli_common *common) {
     return there;
 }
 
-/* Says, once each, that the run goes on from a checkpoint, and that one can't be written. */
+/* Prints, once each, that the run goes on from a checkpoint, and that one can't be written. */
 static void tell(job_state *state) {
     if (state->done.resumed_s > 0 && state->done.began && !state->told) {
         state->told = 1;
@@ -187,7 +187,7 @@ static tides_status work(const cli_job *job, job_state *state, tides_error *erro
     if (status != TIDES_OK) return status;
     how.checkpoint_s = job->checkpoint_s;
     how.keep_checkpoint = job->keep_checkpoint;
-    how.resume = state->facts.sees_frames ? job->resume : goes_on(job, state->common); /* of frames it is refused */
+    how.resume = state->facts.sees_frames ? job->resume : goes_on(job, state->common); /* with frames the library refuses it */
     status = tides_session_write(state->session, job->events, &how, step, state, &state->done, &state->stats, error);
     tell(state);
     cli_progress_end(&state->progress);
@@ -198,7 +198,7 @@ static tides_status work(const cli_job *job, job_state *state, tides_error *erro
     return status;
 }
 
-/* Stopped on request: what was simulated stays readable, and a line says where. */
+/* Stopped on request: what was simulated stays readable, and a message says where it is. */
 static int stopped(const cli_job *job, const job_state *state) {
     char part[PATH_MAX];
     if (tides_file_part(job->events, part, sizeof part, NULL) != TIDES_OK) snprintf(part, sizeof part, "%s", job->events);
@@ -206,7 +206,7 @@ static int stopped(const cli_job *job, const job_state *state) {
                       state->done.saved ? "; --resume goes on from there" : "");
 }
 
-/* The events' checkpoint is an output, too. */
+/* Opens the session. The checkpoint beside the events counts as an output. */
 static tides_status open_session(const cli_job *job, const cli_common *common, tides_session **session, tides_error *error) {
     char checkpoint[PATH_MAX];
     snprintf(checkpoint, sizeof checkpoint, "%s.checkpoint", job->events);

@@ -149,7 +149,7 @@ static const cli_command commands[] = {
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
-/* The commands that most people want first. */
+/* Prints the commands that most users need first. */
 static void print_start(void) {
     printf("    tides demo -o demo                      a moving scene, its events and pictures of both\n"
            "    tides simulate scene.ply -o events.h5   events of a splat file, seen from an orbit that is found\n"
@@ -199,7 +199,8 @@ static int run(int argc, char **argv) {
     return name[0] == '-' ? cli_usage(NULL, "unknown option %s", name) : unknown_command(name);
 }
 
-/* A reader of our output that has enough (tides ... | head) is no failure to speak of: we end as programs do then. */
+/* If a reader closes the pipe early (tides ... | head), ends the process by SIGPIPE, as other programs do, without an error
+ * message. */
 static void end_with_the_pipe(void) {
     struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
     if (poll(&out, 1, 0) != 1 || !(out.revents & POLLERR)) return;
@@ -207,10 +208,10 @@ static void end_with_the_pipe(void) {
     raise(SIGPIPE);
 }
 
-/* HDF5 1.10 has a handler for the process's end, which says on stderr, or crashes on, what was wrong with a damaged file or
- * when memory ran out. All that we open we close: it isn't needed, and the process is ours to say so. */
+/* Removes HDF5 1.10's handler for the process's end: with a damaged file or without memory it prints to stderr, or crashes. It
+ * isn't needed, because all files are closed. */
 static void set_up(void) {
-    signal(SIGPIPE, SIG_IGN); /* a write that fails says where and why */
+    signal(SIGPIPE, SIG_IGN); /* writes fail with an error instead */
     H5dont_atexit();
 }
 
@@ -218,7 +219,7 @@ int main(int argc, char **argv) {
     set_up();
     int code = run(argc, argv);
     if (code == CLI_DESCRIBED) code = CLI_OK;
-    /* A full disk behind stdout is a failure like any other. */
+    /* A full disk behind stdout is an error. */
     if (fflush(stdout) != 0 || ferror(stdout)) {
         end_with_the_pipe();
         fputs("tides: standard output can't be written\n", stderr);

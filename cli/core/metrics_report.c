@@ -1,4 +1,4 @@
-/* tides metrics: its result as JSON, and the table made from that. */
+/* The result of tides metrics as JSON, and a table made of it. */
 #include "metrics_report.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@ static void add(cJSON *object, const char *name, double value) {
         cJSON_AddNullToObject(object, name);
 }
 
-/* "fano_200us" */
+/* Makes a name such as "fano_200us". */
 static void bin_name(const char *prefix, double bin_s, char name[48]) {
     const double us = round(1e6 * bin_s);
     if (us >= 1000 && fmod(us, 1000) == 0)
@@ -36,7 +36,7 @@ static const char *name_of(const tides_metric *row, int i, const tides_metrics_o
     return name;
 }
 
-/* The values of the rows of `of`, whose fields these are. */
+/* Adds the values of the table's rows of kind `of`; `fields` has them. */
 static void add_rows(cJSON *json, int32_t of, const void *fields, const tides_metrics_options *o) {
     size_t count;
     const tides_metric *table = tides_metrics_table(&count);
@@ -76,7 +76,7 @@ cJSON *cli_metrics_json(const tides_metrics *m, const tides_metrics_options *o) 
 
 /* ---- text ---- */
 
-/* The row with the longest name that `name` begins with: "fano_error_1ms" is one of fano_error's. */
+/* The row with the longest name that `name` begins with: for "fano_error_1ms" that of fano_error. */
 static const tides_metric *row_of(const char *name) {
     size_t count, longest = 0;
     const tides_metric *table = tides_metrics_table(&count), *found = NULL;

@@ -1,5 +1,5 @@
-/* One option parser for all commands: --name VALUE, --name=VALUE, -n VALUE, -nVALUE, -qv, "--" ends options; options and
- * operands may be mixed. Every command takes the common options. */
+/* The option parser of all commands: --name VALUE, --name=VALUE, -n VALUE, -nVALUE, -qv; "--" ends options; options and
+ * operands may be mixed. */
 #include "cli.h"
 
 #include <math.h>
@@ -44,8 +44,8 @@ static const char *ending_of(const char *path, const char *const *endings) {
     return *endings;
 }
 
-/* Refuses a folder that is to be made and is named like a file: -o frames.mp4 asks for a video. An existing folder may have any
- * name, and so may NAME.mp4/. */
+/* Refuses a folder that would be made with a file's name: -o frames.mp4 asks for a video. An existing folder may have any name,
+ * and so may NAME.mp4/. */
 static int check_folder(const cli_command *command, const char *path) {
     static const char *const videos[] = {".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm", ".gif", ".apng", ".y4m", NULL};
     static const char *const files[] = {".png",  ".jpg",  ".jpeg", ".exr", ".tif", ".tiff", ".svg", ".pdf",
@@ -62,7 +62,7 @@ static int check_folder(const cli_command *command, const char *path) {
                      path, stem, path, stem, path, path);
 }
 
-/* Stores a value, or sets a switch where `value` is NULL. */
+/* Stores a value, or sets a switch if `value` is NULL. */
 static int store(const parser *p, const cli_option *option, const char *value) {
     const int folder = value && option->argument && strcmp(option->argument, "DIR") == 0;
     const int named = folder ? check_folder(p->command, value) : CLI_GO;
@@ -80,7 +80,7 @@ static int store(const parser *p, const cli_option *option, const char *value) {
     return CLI_GO;
 }
 
-/* The argument that follows an option. */
+/* Takes the argument that follows an option. */
 static int store_next(parser *p, const cli_option *option) {
     if (p->at + 1 >= p->argc)
         return cli_usage(p->command, "%s needs a value: %s %s", option->name, option->name, option->argument);
@@ -107,7 +107,8 @@ static int parse_letters(parser *p, const char *text) {
     return CLI_GO;
 }
 
-/* For the library, and for PoCL, which reads its own when it is loaded (version 3 and version 4 name it differently). */
+/* Sets the number of threads for the library, and for PoCL, which reads variables when it is loaded (version 3 and 4 have
+ * different ones). */
 static int take_threads(const cli_command *command, const char *text) {
     enum { MOST = 256 };
     char *end = NULL;

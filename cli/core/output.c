@@ -69,7 +69,7 @@ tides_status(cli_error)(tides_error *error, tides_status status, const char *for
     error->status = status;
     vsnprintf(error->text, sizeof error->text, format, arguments);
     va_end(arguments);
-    for (char *at = error->text; *at; at++) /* names from outside may hold anything; an error stays one line */
+    for (char *at = error->text; *at; at++) /* names from outside may hold line ends */
         if ((unsigned char)*at < 0x20 || *at == 0x7f) *at = '?';
     return status;
 }
@@ -87,7 +87,7 @@ const char *cli_count(double number, char text[24]) {
 
 /* -- facts ---------------------------------------------------------------------------------------------------------- */
 
-/* Seconds of 1e9 keep what follows the point. */
+/* A format for a number: seconds near 1e9 keep their decimals. */
 static const char *number_format(const cJSON *value) {
     const size_t length = value->string ? strlen(value->string) : 0;
     const int32_t seconds = length > 2 && strcmp(value->string + length - 2, "_s") == 0;
@@ -108,7 +108,7 @@ static void print_scalar(const cJSON *value) {
 
 static int32_t is_scalar(const cJSON *value) { return !cJSON_IsObject(value) && !cJSON_IsArray(value); }
 
-/* An object's fields one per line, names padded to the longest; an object in a list is one line. */
+/* Prints an object's fields one per line, with names padded to the longest; an object in a list takes one line. */
 static void print_fields(const cJSON *object, int indent) {
     size_t widest = 0;
     for (const cJSON *field = object->child; field; field = field->next)
@@ -201,7 +201,7 @@ tides_status cli_write_file(const char *path, cli_writer put, const void *what, 
     if (memory) put(memory, what);
     int32_t made = memory && !ferror(memory);
     if (memory && fclose(memory) != 0) made = 0;
-    if (!bytes) made = 0; /* glibc's fclose says nothing where memory for the last of it is missing */
+    if (!bytes) made = 0; /* glibc's fclose doesn't report that memory ran out */
     tides_status status =
         made ? tides_file_write(path, bytes, size, error) : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
     free(bytes);

@@ -1,4 +1,4 @@
-/* The preview: image, L_dot, events and ground truth side by side. */
+/* Draws the preview: image, L_dot, events and ground truth side by side. */
 #include "session.h"
 #include "picture.h"
 
@@ -6,10 +6,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Rates have long tails: edges are a hundred times faster than surfaces, which should be seen too. */
+/* Share of rates below the colours' limit: edges are a hundred times faster than surfaces, which must be visible too. */
 #define RATE_SHARE 0.96
 
-/* The value that `share` of the magnitudes stay below, so that one pixel doesn't turn the panel white; 0 where flat. */
+/* The value that `share` of the magnitudes don't exceed, so that a single pixel doesn't make the panel white; 0 where all are
+ * 0. */
 static double robust_limit(const double *values, size_t count, double share) {
     double *sorted = malloc(count * sizeof *sorted);
     if (!sorted) return 0;

@@ -1,4 +1,4 @@
-/* Panels of ground truth. */
+/* Draws the panels of ground truth of a preview. */
 #include "session.h"
 #include "picture.h"
 
@@ -33,7 +33,7 @@ static void instance_panel(const cli_frame *frame, uint8_t *rgb, char label[LABE
     tides_picture_labels(frame->truth[TIDES_TRUTH_INSTANCE], frame->width, frame->height, rgb);
 }
 
-/* Each coordinate as a channel, up as green; towards the camera is light blue. */
+/* Draws normals: a channel for each coordinate; up is green, and towards the camera light blue. */
 static void normal_panel(const cli_frame *frame, uint8_t *rgb, char label[LABEL_SIZE]) {
     static const double sign[3] = {1, -1, -1};
     snprintf(label, LABEL_SIZE, "normal");
@@ -49,7 +49,7 @@ static void displacement_panel(const cli_frame *frame, uint8_t *rgb, char label[
     double farthest = 0;
     for (size_t i = 0; i < pixels_of(frame); i++)
         if (isfinite(u[i]) && isfinite(v[i])) farthest = fmax(farthest, hypot(u[i], v[i]));
-    if (isnan(frame->displacement_to)) /* a file says no more */
+    if (isnan(frame->displacement_to)) /* a file doesn't tell */
         snprintf(label, LABEL_SIZE, "displacement, up to %.4g px", farthest);
     else
         snprintf(label, LABEL_SIZE, "to %.4g s: up to %.4g px", frame->displacement_to, farthest);
@@ -57,7 +57,7 @@ static void displacement_panel(const cli_frame *frame, uint8_t *rgb, char label[
     tides_picture_flow_key(rgb, frame->width, frame->height);
 }
 
-/* One for each of these planes that there is. */
+/* The panels: one for each of these planes that exists. */
 static const struct panel {
     int32_t truth;
     void (*draw)(const cli_frame *frame, uint8_t *rgb, char label[LABEL_SIZE]);

@@ -7,13 +7,13 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Signal handlers reach nothing but a flag of this type: the only writable globals of the tool. */
+/* The only writable global of the tool: signal handlers can reach nothing else. */
 static volatile sig_atomic_t interrupted;
 
-static time_t interrupted_at; /* written in the handler alone, while its signals wait */
+static time_t interrupted_at; /* written by the handler only, with its signals blocked */
 
-/* The first asks for an end. Another one within a second is the same: a terminal, a shell and `timeout` may each send it. A
- * later one gets the default: end at once. */
+/* The first signal asks for an end. One within a second counts as the same, since a terminal, a shell and `timeout` may each
+ * send one. A later one ends the process at once, the default. */
 static void on_interrupt(int number) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
@@ -49,7 +49,7 @@ double cli_now(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* How long the rest takes, and how fast events come, each behind `before`. */
+/* Prints the time left, and the rate of events, each with `before` in front. */
 static void forecast(const cli_progress *p, const char *before, double fraction, double elapsed) {
     char rate[24];
     if (fraction > 0.01 && fraction < 1 && elapsed > 0.5)

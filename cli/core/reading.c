@@ -1,4 +1,4 @@
-/* Options of how an event file is read, and what is said of it. */
+/* Options for reading an event file, and messages about how it was read. */
 #include "reading.h"
 
 #include <stdio.h>

@@ -1,16 +1,16 @@
-/* How an event file is read: options that all commands on events have, each with the same meaning. */
+/* How an event file is read: options that all commands for event files have, with equal meaning. */
 #ifndef CLI_READING_H
 #define CLI_READING_H
 
 #include "cli.h"
 
-/* The command line's texts and switches; NULL and 0 where not given. */
+/* Texts and switches of the options; NULL and 0 where not given. */
 typedef struct cli_reading {
     const char *format, *columns, *unit, *stream, *offset;
     int32_t drop_invalid, rebase;
 } cli_reading;
 
-/* Rows of a command's table of options, each by itself; then those on what a file is, and those on which clock it is wanted. */
+/* Rows for a command's table of options: single ones, then groups: what a file is, and which clock is wanted. */
 #define CLI_FROM(r) \
     { "--from", 0, "FORMAT", "read as this (by content)", NULL, &(r).format, NULL }
 #define CLI_COLUMNS(r) \
@@ -28,13 +28,13 @@ typedef struct cli_reading {
 #define CLI_READING_FILE(r) CLI_FROM(r), CLI_COLUMNS(r), CLI_UNIT(r), CLI_STREAM(r), CLI_DROP_INVALID(r)
 #define CLI_READING_CLOCK(r) CLI_REBASE(r), CLI_OFFSET(r)
 
-/* Options of the command line for the library's reader; CLI_GO or CLI_USAGE. */
+/* Converts the options for the library's reader; CLI_GO or CLI_USAGE. */
 int cli_reading_parse(const cli_command *command, const cli_reading *given, tides_event_reading *reading);
 
-/* One line on stderr each, unless quiet: the columns found, what time 0 is, what was left out. */
+/* Prints lines on stderr, unless quiet: the columns found, the meaning of time 0, events that were left out. */
 void cli_reading_tell(const cli_common *common, const char *file, const tides_event_facts *facts, int32_t rebase);
 
-/* "the first frame" */
+/* The meaning of time 0, such as "the first frame". */
 const char *cli_zero_name(int32_t zero);
 
 #endif

@@ -1,7 +1,7 @@
 /* Reading a stretch of a recording. */
 #include "recording.h"
 
-/* Differences of times have to fit 64 bits: 63 years, as for metrics. */
+/* [ns] Differences of times must fit in 64 bits: 63 years. */
 static const int64_t time_limit = INT64_C(2000000000000000000);
 
 static int take_time(const cli_command *command, const char *option, const char *text, int64_t *ns) {
@@ -11,7 +11,7 @@ static int take_time(const cli_command *command, const char *option, const char 
     return cli_usage(command, "%s %s: is beyond 63 years", option, text);
 }
 
-/* A length of time above 0. */
+/* Parses a time above 0. */
 static int take_length(const cli_command *command, const char *option, const char *text, int64_t *ns) {
     const int code = take_time(command, option, text, ns);
     if (code != CLI_GO || !text || *ns > 0) return code;
@@ -31,7 +31,7 @@ int cli_stretch_parse(const cli_command *command, cli_stretch *s) {
     return CLI_GO;
 }
 
-/* Fills a start and stop that weren't given from the recording: its stretch where it has one, else that of its events. */
+/* Sets a start and stop that weren't given: to the recording's interval where the file has one, else to that of its events. */
 static void fill_in(cli_stretch *s, const cli_window *recording) {
     const tides_event *events = recording->events;
     const size_t count = recording->count;
@@ -40,10 +40,10 @@ static void fill_in(cli_stretch *s, const cli_window *recording) {
     if (!s->start_text) s->start_ns = known ? recording->run_start_ns : count ? events[0].t : s->stop_text ? s->stop_ns : 0;
     if (!s->stop_text)
         s->stop_ns = known && last < recording->run_stop_ns ? recording->run_stop_ns : count ? last : s->start_ns;
-    if (s->start_ns > s->stop_ns) s->start_ns = s->stop_ns; /* all events lie before a start that was given */
+    if (s->start_ns > s->stop_ns) s->start_ns = s->stop_ns; /* the given start is after all events */
 }
 
-/* Times of another clock would have 10^10 windows, all of them empty. */
+/* Refuses too many windows: times of another clock would give 10^10 of them, all empty. */
 static tides_status check_windows(const cli_stretch *s, tides_error *error) {
     const uint64_t length = (uint64_t)s->stop_ns - (uint64_t)s->start_ns, step = (uint64_t)s->step_ns;
     if (step == 0 || !s->windows_most || length / step <= s->windows_most) return TIDES_OK;

@@ -1,23 +1,23 @@
-/* Seconds as whole nanoseconds, from numbers and from text, and as text again: times of 1.4e9 s keep their nanoseconds. */
+/* Seconds as whole nanoseconds, from numbers and text and back to text: times of 1.4e9 s keep their nanoseconds. */
 #include "cli.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* [s] 64-bit nanoseconds end at 9.22e9. */
+/* [s] 64-bit nanoseconds end at 9.22e9 s. */
 static const double furthest = 9e9;
 
 int64_t cli_nanoseconds(double seconds) {
-    const double whole = floor(seconds); /* the rest is exact, where 1e9 times it all is off by 128 ns at 1e9 s */
+    const double whole = floor(seconds); /* the rest is exact; 1e9 times the sum is off by 128 ns at 1e9 s */
     return (int64_t)whole * 1000000000 + (int64_t)round((seconds - whole) * 1e9);
 }
 
-/* "-12.0345" digit by digit, a tenth digit rounded; 0 where the text is written in another way ("1e-3"). */
+/* Parses "-12.0345" digit by digit, rounding at a tenth decimal; 0 for other notations ("1e-3"). */
 static int take_decimal(const char *text, int64_t *ns) {
     const int negative = *text == '-';
     int64_t value = 0;
-    int digits = -1; /* behind the point */
+    int digits = -1; /* after the point; -1: none yet */
     const char *c = text + (negative || *text == '+');
     if (strlen(c) > 32) return 0;
     for (; (*c >= '0' && *c <= '9' && digits < 9) || (*c == '.' && digits < 0); c++) {
@@ -45,7 +45,7 @@ int cli_time(const cli_command *command, const char *option, const char *text, i
     return CLI_GO;
 }
 
-/* JSON has integers of any size; doubles, which cJSON holds, end at 2^53. */
+/* Adds a whole number as text: cJSON's doubles hold only 53 bits. */
 void cli_add_ns(cJSON *object, const char *name, int64_t ns) {
     char text[24];
     snprintf(text, sizeof text, "%lld", (long long)ns);

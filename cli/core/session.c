@@ -1,4 +1,4 @@
-/* Opens what a run file names, and says what it found. */
+/* Opens what a run file names, and prints what it found. */
 #include "session.h"
 #include "sets.h"
 
@@ -19,7 +19,7 @@ void cli_tell_unseen(const cli_common *common, const char *who) {
         fprintf(stderr, "tides: nothing of the scene was in view%s, at any time: look at the path, or at camera.up\n", who);
 }
 
-/* Prints the transfer of the colours and its source; objects that differ are refused where they are drawn. */
+/* Prints the transfer of the colours and its source. Objects that differ are refused when they are rendered. */
 static void tell_transfer(const cli_common *common, const tides_session_facts *s) {
     int32_t transfer = s->values.image.transfer;
     double gamma = s->values.image.gamma;

@@ -1,5 +1,5 @@
-/* Paths in --set: typed in a shell, they are of the shell's folder, while the run file's own are of its folder. So that what
- * was written for the run file's folder goes on working, it is that where the shell's has no such file. */
+/* Paths in --set. Typed in a shell, they are relative to the shell's folder, but paths of the run file are relative to its own.
+ * A path that doesn't exist in the shell's folder is taken as relative to the run file's folder. */
 #include "sets.h"
 
 #include <limits.h>
@@ -8,17 +8,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static int32_t of_manifest; /* 1: sets aren't typed: all are of the run file's folder */
+static int32_t of_manifest; /* 1: sets come from a file, and all paths are relative to the run file */
 
 void cli_sets_of_manifest(void) { of_manifest = 1; }
 
-/* 1 where both names exist and lead to different files. */
+/* 1 where both names exist and are different files. */
 static int32_t differ(const char *here, const char *beside) {
     struct stat a, b;
     return stat(here, &a) == 0 && stat(beside, &b) == 0 && (a.st_dev != b.st_dev || a.st_ino != b.st_ino);
 }
 
-/* The whole path of a relative one that the shell's folder has; NULL where it hasn't, or where there is nothing to do. */
+/* The absolute path of a relative one that exists in the shell's folder; NULL where it doesn't, or needn't be changed. */
 static char *placed(const char *run, const char *path, const cli_common *common) {
     char here[PATH_MAX], beside[2 * PATH_MAX], line[600];
     const int folder = (int)(strrchr(run, '/') - run) + 1;
@@ -35,7 +35,7 @@ static char *placed(const char *run, const char *path, const cli_common *common)
     return whole;
 }
 
-/* The texts of these names in a list of objects; how many were placed. */
+/* Makes paths in a list of objects absolute; returns their number. */
 static int32_t place_objects(cJSON *list, const char *run, const cli_common *common) {
     static const char *const names[] = {"file", "trajectory"};
     int32_t count = 0;
@@ -58,7 +58,7 @@ static char *joined(const char *set, int key, const char *value) {
     return made;
 }
 
-/* The assignment with its paths placed; NULL where it stays as it is. */
+/* The assignment with absolute paths; NULL where it stays unchanged. */
 static char *place(const char *set, const char *run, const cli_common *common) {
     char name[96];
     const char *equals = strchr(set, '=');
@@ -83,7 +83,7 @@ static char *place(const char *set, const char *run, const cli_common *common) {
 void cli_sets_place(const cli_list *sets, const char *run, const cli_common *common, cli_placed *placed_sets) {
     placed_sets->list = *sets;
     placed_sets->owned = 0;
-    if (of_manifest || !strchr(run, '/')) return; /* the run file is of the shell's folder */
+    if (of_manifest || !strchr(run, '/')) return; /* both folders are the same */
     for (size_t i = 0; i < sets->count; i++) {
         char *made = place(sets->items[i], run, common);
         if (!made) continue;

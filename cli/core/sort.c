@@ -1,4 +1,4 @@
-/* Numbers in order. */
+/* Sorts numbers in ascending order, for medians and quantiles. */
 #include "cli.h"
 
 #include <stdlib.h>

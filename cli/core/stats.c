@@ -1,9 +1,9 @@
-/* The statistics of a run as JSON (DESIGN 6): the library's table, and what the run was made on. */
+/* The statistics of a run as JSON (DESIGN 6): the library's table, and facts of version and device. */
 #include "session.h"
 
 #include <string.h>
 
-/* Every row of the table; "time_s.build" goes into the object time_s, "settings.unit" into settings. */
+/* Adds every row of the table; "time_s.build" goes into the object time_s, "settings.unit" into settings. */
 static int32_t add_rows(cJSON *root, const tides_stats *stats) {
     size_t count;
     const tides_stat *rows = tides_stats_table(&count);

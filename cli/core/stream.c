@@ -1,4 +1,4 @@
-/* Events of a run in memory. */
+/* Collects the events of a run in memory. */
 #include "stream.h"
 
 #include <stdlib.h>

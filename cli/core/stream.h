@@ -9,7 +9,7 @@ typedef struct cli_stream {
     size_t count, capacity;
 } cli_stream;
 
-/* A sink that keeps everything in a cli_stream, nothing where that is NULL. Its own status stops the run: out of memory. */
+/* A sink that keeps all events in a cli_stream; none if that is NULL. It stops the run if memory runs out. */
 int cli_keep(void *stream, const tides_event *events, size_t count);
 
 #endif

@@ -1,10 +1,10 @@
-/* The events of a stretch of time, read back from an event file. */
+/* Reads the events of a time interval from an event file. */
 #include "session.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Events may stand late by so many places, as in text (lib/events/event_text.c puts them in order). */
+/* Events may be out of order by so many places: readers of text files allow it, and sort. */
 enum { LATE_MOST = 65536 };
 
 /* Appends the events that are within the window's stretch. `*past` counts the events behind the stretch since the last one
@@ -52,7 +52,7 @@ tides_status cli_window_read(const char *path, cli_window *window, tides_error *
         if (status == TIDES_OK) status = keep(path, window, &capacity, events, got, &past, error);
     }
     if (status == TIDES_OK) {
-        tides_event_reader_facts(reader, &window->facts); /* after the events: some formats give the sensor's size late */
+        tides_event_reader_facts(reader, &window->facts); /* after the events: some formats have the size at the end */
         set_size(window, &window->facts);
         window->run_start_ns = window->facts.start_ns;
         window->run_stop_ns = window->facts.stop_ns;

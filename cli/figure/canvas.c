@@ -1,4 +1,4 @@
-/* Canvases from their paper to their file. Files are made in memory, so that they appear whole or not at all, as everywhere. */
+/* Canvases: their creation, and writing them to files. Files are made in memory, so that they appear whole or not at all. */
 #include "canvas.h"
 #include "cli.h"
 
@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Points per px, as CSS has it. */
+/* Points per px, as in CSS. */
 #define PDF_SCALE 0.75
 
 cli_canvas canvas_create(const canvas_style *style, int32_t width, int32_t height) {
@@ -18,7 +18,7 @@ cli_canvas canvas_create(const canvas_style *style, int32_t width, int32_t heigh
     cairo_surface_t *surface = style->shapes ? cairo_recording_surface_create(CAIRO_CONTENT_COLOR_ALPHA, &all)
                                              : cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
     canvas.cairo = cairo_create(surface);
-    cairo_surface_destroy(surface); /* the context keeps it */
+    cairo_surface_destroy(surface); /* the context keeps a reference */
     cairo_set_line_cap(canvas.cairo, CAIRO_LINE_CAP_ROUND);
     cairo_set_line_join(canvas.cairo, CAIRO_LINE_JOIN_ROUND);
     canvas_fill(&canvas, 0, 0, width, height, canvas.theme->paper);
@@ -92,7 +92,7 @@ static cairo_status_t put(void *file, const unsigned char *bytes, unsigned int s
     return fwrite(bytes, 1, size, file) == size ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
-/* Neither kind holds a date. */
+/* Writes .svg or .pdf, without a date. */
 static cairo_status_t put_shapes(const cli_canvas *canvas, int32_t as_pdf, FILE *file) {
     const double width = canvas->width, height = canvas->height;
     cairo_surface_t *surface = as_pdf ? cairo_pdf_surface_create_for_stream(put, file, PDF_SCALE * width, PDF_SCALE * height)

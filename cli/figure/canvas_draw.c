@@ -1,12 +1,12 @@
-/* Shapes on a canvas. Calls on a canvas without cairo do nothing: the failure is reported when it is written. */
+/* Draws shapes on a canvas. Without cairo the calls do nothing: the failure is reported when the canvas is written. */
 #include "canvas.h"
 
 #include <math.h>
 
 #define TURN 6.283185307179586
-#define MARKER 6.0 /* [px] a marker's reach */
-#define RIM 1.5    /* [px] of paper around it */
-#define HOLLOW 2.0 /* [px] the line of a hollow one */
+#define MARKER 6.0 /* [px] greatest radius of a marker */
+#define RIM 1.5    /* [px] width of the rim in the paper's colour */
+#define HOLLOW 2.0 /* [px] line width of hollow markers */
 
 static void set_colour(cairo_t *cairo, canvas_colour colour, double opacity) {
     cairo_set_source_rgba(cairo, (colour >> 16 & 255) / 255.0, (colour >> 8 & 255) / 255.0, (colour & 255) / 255.0, opacity);
@@ -50,7 +50,7 @@ void canvas_dashed(cli_canvas *canvas, double ax, double ay, double bx, double b
 
 /* -- dots ---------------------------------------------------------------------------------------------------------------- */
 
-/* As a stroke of no length with round ends. Whole px: a third of the bytes less, and no visible difference. */
+/* Dots as strokes of no length with round ends. Whole px: a third fewer bytes, without a visible difference. */
 static void dots_as_path(cairo_t *cairo, const double *xy, size_t count, double radius) {
     cairo_set_line_width(cairo, 2 * radius);
     for (size_t i = 0; i < count; i++) {
@@ -60,7 +60,7 @@ static void dots_as_path(cairo_t *cairo, const double *xy, size_t count, double 
     cairo_stroke(cairo);
 }
 
-/* As stamps, which lie at quarters of a px: 370 000 dots in a tenth of the time that as many strokes take. */
+/* Dots as stamps at quarters of a px: 370 000 dots take a tenth of the time of strokes. */
 enum { PHASES = 4 };
 
 static cairo_surface_t *make_stamp(double radius, int32_t phase, int32_t *side) {
@@ -100,7 +100,7 @@ void canvas_dots(cli_canvas *canvas, const double *xy, size_t count, double radi
 
 /* -- markers --------------------------------------------------------------------------------------------------------------- */
 
-/* A polygon about the origin whose first corner is at this angle. */
+/* A polygon about the origin; its first corner is at `angle`. */
 static void polygon(cairo_t *cairo, int32_t corners, double angle, double radius) {
     for (int32_t i = 0; i < corners; i++)
         cairo_line_to(cairo, radius * cos(angle + TURN * i / corners), radius * sin(angle + TURN * i / corners));
@@ -145,7 +145,7 @@ void canvas_marker(cli_canvas *canvas, double x, double y, int32_t style) {
 
 /* -- images ---------------------------------------------------------------------------------------------------------------- */
 
-/* Enlarged here, as viewers of shapes would smooth it. */
+/* Draws enlarged pixels itself, because viewers of .svg and .pdf would smooth them. */
 void canvas_image(cli_canvas *canvas, double left, double top, int32_t times, int32_t width, int32_t height,
                   const uint8_t *rgb) {
     if (!canvas->cairo) return;

@@ -1,11 +1,11 @@
-/* Text in the sans-serif font that fontconfig finds. Shapes hold it as outlines: it looks the same wherever it is opened. */
+/* Draws text in the sans-serif font that fontconfig finds. Shapes hold outlines, so that it looks the same on all machines. */
 #include "canvas.h"
 
 #include <stdio.h>
 
-#define CAPITALS 0.73 /* of the size: how high they are, of DejaVu Sans */
+#define CAPITALS 0.73 /* height of capitals over the font's size, of DejaVu Sans */
 
-/* The caller destroys it. Without hinting of metrics, so that lines are as long in all formats and sizes. */
+/* A font, which the caller destroys. Its metrics aren't hinted, so that lines have equal lengths in all formats and sizes. */
 static cairo_scaled_font_t *make_font(double size, int32_t bold) {
     cairo_font_face_t *face = cairo_toy_font_face_create("sans-serif", CAIRO_FONT_SLANT_NORMAL,
                                                          bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
@@ -32,7 +32,7 @@ static double width_of(double size, int32_t bold, const char *text) {
 
 double canvas_text_width(const char *text) { return width_of(CANVAS_TEXT, 0, text); }
 
-/* From the current point. */
+/* Draws from the current point. */
 static void show(cli_canvas *canvas, double size, int32_t bold, double anchor, const char *text) {
     const canvas_colour ink = canvas->theme->ink;
     cairo_scaled_font_t *font = make_font(size, bold);
@@ -75,7 +75,7 @@ void canvas_text_up(cli_canvas *canvas, double x, double y, const char *text) {
     cairo_restore(canvas->cairo);
 }
 
-/* Where fontconfig has none, cairo draws with a face of its own, of straight strokes. */
+/* Without fonts cairo draws with a simple face of its own. */
 void canvas_say_fonts(void) {
     static int32_t said;
     cairo_scaled_font_t *font = make_font(CANVAS_TEXT, 0);

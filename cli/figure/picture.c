@@ -1,4 +1,4 @@
-/* Panels side by side, each under its label; small images are enlarged so that a person sees something. */
+/* Draws panels side by side, each under its label. Small images are enlarged. */
 #include "picture.h"
 
 enum { MARGIN = 8, LABEL_SPACE = 30, COMFORTABLE = 300 /* [px] panels narrower than this are enlarged */, ROW = 4 };

@@ -6,13 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEGEND_SAMPLE = 46, LEGEND_GAP = 36 }; /* [px] from an entry's beginning to its label; from its end to the next */
-enum { TICK = 7, SMALL_TICK = 4, GAP = 6 };   /* [px] with and without a label; from there to the label */
+enum { LEGEND_SAMPLE = 46, LEGEND_GAP = 36 }; /* [px] from an entry's start to its label; from its end to the next entry */
+enum { TICK = 7, SMALL_TICK = 4, GAP = 6 };   /* [px] lengths of ticks with and without a label; distance to the label */
 #define LINE_WIDTH 2.4                        /* [px] */
 
 /* -- axes ---------------------------------------------------------------------------------------------------------------- */
 
-/* How far along its axis a value is: 0 at `low`, 1 at `high`. */
+/* The place of a value on its axis: 0 at `low`, 1 at `high`. */
 static double along(double value, double low, double high, int32_t linear) {
     return linear ? (value - low) / (high - low) : (log(value) - log(low)) / (log(high) - log(low));
 }
@@ -41,11 +41,11 @@ void plot_round_range(double *low, double *high) {
     if (*high <= *low * 1.0001) *high = 2 * *low;
 }
 
-/* Ticks at 1, 2, ..., 9 times powers of ten; labels at 1, and at 2 and 5 too where the axis is short. `end` is where the last
- * label ended [px]: the next one is left out where it would touch it. */
+/* Ticks at 1, 2, ..., 9 times powers of ten, with labels at 1, and on short axes at 2 and 5. `end` is where the last label
+ * ended [px]: a label that would touch it is left out. */
 typedef void (*tick_drawer)(cli_canvas *canvas, const plot_panel *panel, double value, const char *label, double *end);
 
-/* 0.01, 1e-5 */
+/* Writes 0.01 or 1e-5. */
 static void write_value(double value, char label[16]) {
     snprintf(label, 16, "%.5g", value);
     char *power = strchr(label, 'e');
@@ -65,7 +65,7 @@ static void each_tick(cli_canvas *canvas, const plot_panel *panel, double low, d
         }
 }
 
-/* The step from tick to tick, 1, 2 or 5 times a power of ten, that leaves `room` px between labels. */
+/* The distance of ticks, 1, 2 or 5 times a power of ten, that leaves `room` px between labels. */
 static double linear_step(double span, int32_t pixels, int32_t room) {
     const double least = span * room / (pixels > 0 ? pixels : 1), power = pow(10, floor(log10(least)));
     return power * (least <= power ? 1 : least <= 2 * power ? 2 : least <= 5 * power ? 5 : 10);
@@ -105,9 +105,9 @@ static void tick_x(cli_canvas *canvas, const plot_panel *p, double value, const 
     canvas_text(canvas, x, p->bottom + TICK + GAP + 0.5 * CANVAS_TEXT, 0.5, label);
 }
 
-/* NOLINTNEXTLINE(readability-non-const-parameter): one type with tick_x */
+/* NOLINTNEXTLINE(readability-non-const-parameter): the type of tick_x */
 static void tick_y(cli_canvas *canvas, const plot_panel *p, double value, const char *label, double *end) {
-    (void)end; /* panels are higher than their labels */
+    (void)end; /* panels are higher than a label */
     const double y = floor(plot_y(p, value)) + 0.5;
     const int32_t tick = label[0] ? TICK : SMALL_TICK;
     if (label[0]) canvas_line(canvas, p->left, y, p->right, y, 1, canvas->theme->grid);
@@ -164,7 +164,7 @@ void plot_mark(cli_canvas *canvas, const plot_panel *p, double x) {
     if (inside(p, x, p->y_low)) canvas_dashed(canvas, column, p->top, column, p->bottom, canvas->theme->frame);
 }
 
-/* Where the next entry of a legend goes: on to the next line where it wouldn't end before `right`. */
+/* The place of the next entry of a legend; it goes to the next line if it wouldn't end before `right`. */
 static void place_entry(const plot_curve *curve, int32_t right, int32_t left, int32_t *x, int32_t *y, int32_t *next) {
     const int32_t wide = LEGEND_SAMPLE + (int32_t)ceil(canvas_text_width(curve->label));
     if (*x > left && *x + wide > right) {

@@ -7,12 +7,12 @@
 /* One curve. `style` picks colour and marker; -1 draws nothing. */
 typedef struct plot_curve {
     const char *label;
-    const double *x, *y; /* above 0 to be drawn */
+    const double *x, *y; /* must be above 0 on logarithmic axes */
     int32_t count, style;
 } plot_curve;
 
-/* A panel: its frame within the canvas [px], the ranges of its axes, which are logarithmic unless said to be linear (and may
- * then run downwards), and its texts. */
+/* A panel: its frame on the canvas [px], the ranges of its axes, which are logarithmic or linear (linear ones may run
+ * downwards), and its texts. */
 typedef struct plot_panel {
     int32_t left, top, right, bottom;
     double x_low, x_high, y_low, y_high;
@@ -22,36 +22,37 @@ typedef struct plot_panel {
 
 /* A value for each bin, drawn as a line of steps, or filled down to the axis. */
 typedef struct plot_stairs {
-    const double *edges, *values; /* count + 1, count */
+    const double *edges, *values; /* count + 1 edges, count values */
     int32_t count, filled;
     canvas_colour colour;
 } plot_stairs;
 
-/* Grows [*low, *high] to whole powers of ten, or to 1, 2, 5 within a decade. */
+/* Extends [*low, *high] to whole powers of ten, or to 1, 2, 5 within a decade. */
 void plot_round_range(double *low, double *high);
-/* Frame, grid, ticks and texts; without `y_ticks` the vertical axis has none (bars have labels there). */
+/* Draws frame, grid, ticks and texts. Without `y_ticks` the vertical axis has none, for bars with labels. */
 void plot_axes(cli_canvas *canvas, const plot_panel *panel, int32_t y_ticks);
 void plot_draw(cli_canvas *canvas, const plot_panel *panel, const plot_curve *curve);
-/* Without markers. */
+/* Draws a curve without markers. */
 void plot_line(cli_canvas *canvas, const plot_panel *panel, const plot_curve *curve);
-/* Where a value is [px]. */
+/* The place of a value [px]. */
 double plot_x(const plot_panel *panel, double x);
 double plot_y(const plot_panel *panel, double y);
 /* A dashed line across the panel at y. */
 void plot_target(cli_canvas *canvas, const plot_panel *panel, double y);
 /* A dashed line down the panel at x. */
 void plot_mark(cli_canvas *canvas, const plot_panel *panel, double x);
-/* A sample of each curve beside its label, in lines from (x, y) on, the first one's middle, that end before `right` and have an
- * entry at least; a line is so high [px]. _lines: how many that are. */
+/* Draws a sample of each curve beside its label, in lines of PLOT_LEGEND_LINE px from (x, y) on, the middle of the first. Lines
+ * end before `right`, but have at least one entry. _lines: the number of lines. */
 enum { PLOT_LEGEND_LINE = 28 };
 void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, int32_t right, const plot_curve *curves, int32_t count);
 int32_t plot_legend_lines(int32_t x, int32_t right, const plot_curve *curves, int32_t count);
 void plot_steps(cli_canvas *canvas, const plot_panel *panel, const plot_stairs *stairs);
-/* Ticks of a linear axis that is `pixels` long, at least `room` px apart, and the decimals that their labels need; how many. */
+/* Ticks of a linear axis of `pixels` px, at least `room` px apart, and the decimals that their labels need. Returns their
+ * number. */
 enum { PLOT_TICKS_MAX = 64 };
 int32_t plot_linear_ticks(double low, double high, int32_t pixels, int32_t room, double ticks[PLOT_TICKS_MAX],
                           int32_t *decimals);
-/* A bar from the left edge to `value`, between two rows of pixels. */
+/* Draws a bar from the left edge to `value`, from row `top` to `bottom`. */
 void plot_bar(cli_canvas *canvas, const plot_panel *panel, int32_t top, int32_t bottom, double value, int32_t style);
 
 #endif

@@ -1,11 +1,11 @@
-/* How pictures may look: colours on light and on dark paper. */
+/* The colours of pictures on light and on dark paper. */
 #include "canvas.h"
 #include "cli.h"
 
 #include <string.h>
 
-/* Seven colours of Okabe and Ito, which colour-blind people can tell apart, without their yellow (too pale on white); then
- * eight that lie between, some of them Tol's muted ones: their markers are hollow besides. On dark paper the same hues,
+/* Seven colours of Okabe and Ito, which colour-blind people can distinguish, without their yellow, which is too pale on white.
+ * Then eight between them, some of them Tol's muted ones; their markers are hollow. On dark paper the hues are the same, and
  * lighter. */
 /* clang-format off */
 static const canvas_theme themes[] = {

@@ -1,4 +1,4 @@
-/* Event frames and time surfaces: an enlarged image with its axes, and for surfaces the colours' scale. */
+/* Draws event frames and time surfaces: an enlarged image with axes, and for surfaces the scale of colours. */
 #include "view.h"
 
 #include "tides/image.h"
@@ -20,7 +20,7 @@ static int32_t enlargement(const view *v, const cli_window *shown) {
     return times > LARGEST ? LARGEST : times;
 }
 
-/* The canvas of an image with `room` px beside it. */
+/* The canvas for an image, with `room` px beside it. */
 static cli_canvas lay_out(const view *v, const cli_window *shown, int32_t room, const uint8_t *rgb) {
     const int32_t times = enlargement(v, shown), width = shown->width * times, height = shown->height * times;
     const int32_t needed = LEFT + width + RIGHT + room, left = v->plain ? 0 : LEFT, top = v->plain ? 0 : TOP;
@@ -62,7 +62,7 @@ int64_t view_surface_memory(const view *v) {
     return (int64_t)ceil(1e9 * DECAYS_SEEN * v->decay_s);
 }
 
-/* The latest event of each pixel: recency, signed by polarity. */
+/* The latest event of each pixel, as exp(-age / decay), with the polarity's sign. */
 static int32_t signed_surface(const view *v, const cli_window *recording, const cli_window *shown, double *value) {
     const size_t pixels = pixels_of(shown);
     const cli_window seen = cli_window_slice(recording, shown->stop_ns - view_surface_memory(v), shown->stop_ns);
@@ -75,7 +75,7 @@ static int32_t signed_surface(const view *v, const cli_window *recording, const 
     return made;
 }
 
-/* Signed recency as colours: the library's on light paper; on dark paper what is long ago is as dark. */
+/* Colours of signed recency. On light paper the library's; on dark paper 0 is dark. */
 static void colour_surface(const canvas_style *style, const double *value, int32_t width, int32_t height, uint8_t *rgb) {
     const canvas_theme *theme = canvas_theme_of(style);
     if (!style->dark) {
@@ -88,7 +88,7 @@ static void colour_surface(const canvas_style *style, const double *value, int32
     }
 }
 
-/* The colours from ON now, over long ago, to OFF now; ages beside them. */
+/* Draws the scale of colours, from ON now over 0 to OFF now, with ages. */
 static void colour_scale(cli_canvas *canvas, const view *v, int32_t left, int32_t height) {
     enum { BAR = 18, MARKS = 5 };
     static const double at[MARKS] = {1, 0.36787944117144233, 0, -0.36787944117144233, -1}; /* exp(-1): one decay ago */
@@ -104,7 +104,7 @@ static void colour_scale(cli_canvas *canvas, const view *v, int32_t left, int32_
                     (canvas_colour)rgb[0] << 16 | (canvas_colour)rgb[1] << 8 | rgb[2]);
     }
     canvas_outline(canvas, left, TOP, left + BAR, TOP + height, canvas->theme->frame);
-    for (int i = 0; i < MARKS; i += height < 110 ? MARKS - 1 : 1) { /* where all would overlap, the ends alone */
+    for (int i = 0; i < MARKS; i += height < 110 ? MARKS - 1 : 1) { /* only the ends, where labels would overlap */
         const double y = TOP + floor((1 - at[i]) / 2 * (height - 1)) + 0.5;
         canvas_line(canvas, left + BAR, y, left + BAR + 5, y, 1, canvas->theme->frame);
         canvas_text(canvas, left + BAR + 10, y + (i == 0 ? 7 : i == MARKS - 1 ? -7 : 0), 0, label[i]);

@@ -1,4 +1,5 @@
-/* Events in space and time, in perspective: time runs to the right, the image stands across it as it is seen from its start. */
+/* Draws events in space and time, in perspective: time runs to the right, and the image stands across it, seen from its
+ * start. */
 #include "view.h"
 
 #include <math.h>
@@ -9,10 +10,10 @@
 enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 128, MARGIN_Y = 60 /* for ticks and labels */, POINTS_MAX = 400000 };
 enum { SHAPES_MAX = 8000 /* for .svg: about 150 kB */ };
 
-/* The box: half its extents along time, height and width of the image; the axes point as time, y and x do. */
+/* The box: half of its lengths along time, y and x. */
 enum { TIME, Y, X, AXES };
-#define TIME_EXTENT 1.5  /* of the longer side of the image */
-#define EYE_DISTANCE 4.0 /* from the box's centre, likewise */
+#define TIME_EXTENT 1.5  /* over the longer side of the image */
+#define EYE_DISTANCE 4.0 /* from the box's centre, over the longer side of the image */
 
 typedef struct scene {
     double half[AXES];
@@ -22,7 +23,7 @@ typedef struct scene {
 
 static double dot(const double a[AXES], const double b[AXES]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* Screen position in px, and the distance from the eye along its view. */
+/* The place on the screen [px]. Returns the distance from the eye along its view. */
 static double project(const scene *s, const double point[AXES], double *x, double *y) {
     const double depth = EYE_DISTANCE + dot(point, s->forward);
     *x = s->x + s->scale * dot(point, s->right) / depth;
@@ -30,12 +31,12 @@ static double project(const scene *s, const double point[AXES], double *x, doubl
     return depth;
 }
 
-/* Corner number 0 to 7: a bit for each axis. */
+/* Corner number 0 to 7: one bit per axis. */
 static void corner(const scene *s, int number, double point[AXES]) {
     for (int axis = 0; axis < AXES; axis++) point[axis] = number >> axis & 1 ? s->half[axis] : -s->half[axis];
 }
 
-/* With x to the right, y down and time away from the one who looks along it, an eye that is `azimuth` beside the axis of time
+/* Sets the eye's axes. With x to the right, y down and time away from a viewer, the eye is `azimuth` beside the axis of time
  * and `elevation` above it. */
 static void set_eye(scene *s, double azimuth_deg, double elevation_deg) {
     const double degree = 3.14159265358979323846 / 180, a = azimuth_deg * degree, e = elevation_deg * degree;
@@ -48,7 +49,7 @@ static void set_eye(scene *s, double azimuth_deg, double elevation_deg) {
     }
 }
 
-/* Puts the projected box into the middle, as large as fits. */
+/* Centres the projected box, as large as fits. */
 static void fit(scene *s, const view_part *within) {
     double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
     s->scale = 1;
@@ -57,7 +58,7 @@ static void fit(scene *s, const view_part *within) {
         double point[AXES], x, y;
         corner(s, c, point);
         project(s, point, &x, &y);
-        if (x < low_x) low_x = x; /* gcc 12 for arm64 dies of fmin and fmax here (vect_transform_reduction) */
+        if (x < low_x) low_x = x; /* gcc 12 for arm64 crashes on fmin and fmax here (vect_transform_reduction) */
         if (x > high_x) high_x = x;
         if (y < low_y) low_y = y;
         if (y > high_y) high_y = y;
@@ -81,7 +82,7 @@ static scene make_scene(const view *v, const cli_window *shown, const view_part 
 
 /* ---- axes ---- */
 
-/* 1 where the box's face at the positive (1) or negative (0) end of an axis shows its outside to the eye. */
+/* 1 where the face of the box at the positive (1) or negative (0) end of an axis is visible from outside. */
 static int32_t faces_eye(const scene *s, int axis, int end) {
     const double eye = -EYE_DISTANCE * s->forward[axis];
     return end ? eye > s->half[axis] : eye < -s->half[axis];
@@ -109,7 +110,7 @@ static int32_t ticks_of(const scene *s, int axis, const range *r, double ticks[P
     return plot_linear_ticks(r->low, r->high, (int32_t)(2 * s->half[axis] * s->scale / EYE_DISTANCE), ROOM, ticks, decimals);
 }
 
-/* Lines at the ticks of `axis` on the far face at `end` of the axis `across`. */
+/* Draws lines at the ticks of `axis`, on the far face at `end` of the axis `across`. */
 static void grid_lines(cli_canvas *canvas, const scene *s, int axis, int across, int end, const range *r) {
     double ticks[PLOT_TICKS_MAX], from[AXES], to[AXES];
     int32_t decimals;
@@ -131,7 +132,7 @@ static void draw_far_faces(cli_canvas *canvas, const scene *s, const range range
                 if (axis != across) grid_lines(canvas, s, axis, across, end, &ranges[axis]);
 }
 
-/* The box's edges; edges that only faces away from the eye share lie behind the events. */
+/* Draws the box's edges. Edges between two faces that face away from the eye lie behind the events. */
 static void draw_edges(cli_canvas *canvas, const scene *s, int32_t behind) {
     for (int axis = 0; axis < AXES; axis++)
         for (int ends = 0; ends < 4; ends++) {
@@ -147,8 +148,8 @@ static void draw_edges(cli_canvas *canvas, const scene *s, int32_t behind) {
         }
 }
 
-/* Chooses the edge to label of an axis' four: on the outline, lowest for time and x, leftmost for y. `at` gets its places on
- * the other two axes. */
+/* Chooses which of an axis' four edges gets the labels: one on the outline, lowest for time and x, leftmost for y. `at` gets
+ * its places on the other two axes. */
 static int32_t choose_edge(const scene *s, int axis, double at[AXES]) {
     const int second = (axis + 1) % AXES, third = (axis + 2) % AXES;
     double best = -INFINITY;
@@ -166,7 +167,7 @@ static int32_t choose_edge(const scene *s, int axis, double at[AXES]) {
     return best > -INFINITY;
 }
 
-/* Where text is already: two axes meet at a corner, and each may have a label for it. */
+/* Boxes of the texts so far: two axes meet at a corner, and each may have a label there. */
 typedef struct label_boxes {
     double box[3 * (PLOT_TICKS_MAX + 1)][4]; /* left, top, right, bottom */
     int32_t count;
@@ -181,7 +182,8 @@ static int32_t is_taken(const label_boxes *boxes, const double box[4]) {
     return 0;
 }
 
-/* Text whose nearest border is `distance` px from (x, y) along the direction (dx, dy), unless there is some already. */
+/* Draws text whose nearest border is `distance` px from (x, y) along the direction (dx, dy), unless it would overlap another
+ * text. */
 static void text_beside(cli_canvas *canvas, double x, double y, double dx, double dy, double distance, const char *text,
                         label_boxes *boxes) {
     enum { HALF_HEIGHT = 7 };
@@ -193,7 +195,7 @@ static void text_beside(cli_canvas *canvas, double x, double y, double dx, doubl
     canvas_text(canvas, x, y, 0.5, text);
 }
 
-/* Ticks point away from the box, square to their edge on the screen. */
+/* Draws an axis. Ticks point away from the box, at right angles to their edge on the screen. */
 static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range *r, label_boxes *boxes) {
     double at[AXES], from[AXES], to[AXES], ax, ay, bx, by, cx, cy, ticks[PLOT_TICKS_MAX];
     const double centre[AXES] = {0};
@@ -222,21 +224,21 @@ static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range 
 
 /* ---- events ---- */
 
-/* Layers of depth: events are drawn farthest first, each polarity of a layer at once, smaller and paler with distance. */
+/* Layers of depth. Events are drawn farthest first, each polarity of a layer at once, smaller and paler with distance. */
 enum { PER_DEPTH = 16, LAYERS_MAX = 8 * PER_DEPTH /* the box is closer to the eye than 2 EYE_DISTANCE */ };
 
 typedef struct layers {
-    double *xy;                       /* places of all, layer by layer, OFF before ON */
-    size_t first[2 * LAYERS_MAX + 1]; /* where each begins */
+    double *xy;                       /* places of all events, layer by layer, OFF before ON */
+    size_t first[2 * LAYERS_MAX + 1]; /* first place of each */
 } layers;
 
-/* Every so many events one, so that a picture takes a second at most. */
+/* Draws every n-th event, so that a picture takes at most a second. Returns n. */
 static size_t stride_of(const view *v, const cli_window *shown) {
     const size_t most = v->points ? v->points : v->style.shapes ? SHAPES_MAX : POINTS_MAX;
     return (shown->count + most - 1) / most + !shown->count;
 }
 
-/* The event's place on the screen, and which layer it is in. */
+/* The event's place on the screen; returns its layer. */
 static size_t project_event(const scene *s, const tides_event *e, const range ranges[AXES], const view_axis *time,
                             double xy[2]) {
     const double values[AXES] = {view_on_axis(time, (double)e->t), e->y + 0.5, e->x + 0.5};
@@ -247,7 +249,7 @@ static size_t project_event(const scene *s, const tides_event *e, const range ra
     return 2 * (size_t)layer + (e->polarity > 0);
 }
 
-/* Counted, then put where they belong; 0: out of memory. */
+/* A counting sort of events by layer; 0: out of memory. */
 static int32_t sort_events(const scene *s, const cli_window *shown, size_t stride, const range ranges[AXES],
                            const view_axis *time, layers *l) {
     size_t next[2 * LAYERS_MAX];
@@ -267,7 +269,7 @@ static int32_t sort_events(const scene *s, const cli_window *shown, size_t strid
     return 1;
 }
 
-/* Few events are large, many small. */
+/* Draws the layers; dots are larger where events are few. */
 static void draw_layers(cli_canvas *canvas, const layers *l) {
     const size_t count = l->first[2 * LAYERS_MAX];
     const double radius = fmin(4.0, (canvas->style.shapes ? 9.0 : 6.0) * pow((double)count + 1, -0.16));

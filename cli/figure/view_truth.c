@@ -1,5 +1,5 @@
-/* tides view of ground truth in files: a panel for each quantity that there is, flow as a colour wheel, depths as a ramp,
- * instances in colours of their own. */
+/* tides view of ground truth files: a panel for each quantity, flow as a colour wheel, depths as a ramp, instances in distinct
+ * colours. */
 #include "view_truth.h"
 
 #include "picture.h"
@@ -18,7 +18,7 @@ int32_t view_is_truth(const char *kind, const char *file) {
     return kind ? strcmp(kind, "truth") == 0 : cli_ends_in(file, ".exr") || cli_ends_in(file, ".png");
 }
 
-/* A plane of the file in double, allocated: NULL where there's none, or, with `failed`, no memory. */
+/* A plane of the file in double, allocated. NULL: there is none, or with `failed` out of memory. */
 static double *take(const tides_exr *planes, const char *name, int32_t *failed) {
     int32_t width, height, count, at = 0;
     tides_exr_size(planes, &width, &height, &count);
@@ -31,7 +31,7 @@ static double *take(const tides_exr *planes, const char *name, int32_t *failed) 
     return plane;
 }
 
-/* Disparity is near where it is large: one over depth, which is drawn as that. */
+/* Takes disparity, which is drawn as a depth of one over it. */
 static void take_disparity(const tides_exr *planes, cli_frame *frame, int32_t *failed) {
     double *plane = frame->truth[TIDES_TRUTH_DEPTH] ? NULL : take(planes, "disparity", failed);
     for (size_t i = 0; i < (size_t)frame->width * (size_t)frame->height && plane; i++) plane[i] = 1 / plane[i];

@@ -1,5 +1,5 @@
-/* AEDAT 4's containers: flatbuffers, whose tables are read field by field, the header, and the XML that says which stream is
- * what. For the reader of events and that of frames. */
+/* Reads the parts of AEDAT 4 files that events and frames share: tables of flatbuffers, the header, and the XML in the
+ * header that describes the streams. */
 #include "td_aedat4_parts.h"
 
 #include "td_endian.h"
@@ -42,7 +42,7 @@ const char *td_aedat4_attribute(const char *from, const char *key) {
     return value ? value + 1 : NULL;
 }
 
-/* The node around `inside`: its name is the stream's number. */
+/* The number of the stream that `inside` belongs to: the name of the XML node around it. */
 static int32_t stream_number(const char *xml, const char *inside) {
     static const char mark[] = "<node name=\"";
     const char *found = NULL;

@@ -1,6 +1,5 @@
-/* Planes of bytes, deflated each as fast as its kind can be: the bytes of one place of all values are noise, or one byte over
- * and over, or one of two by chance, or hardly change from one value to the next, or none of that. It is one stream of zlib's,
- * which zlib's inflate and so HDF5 anywhere reads. */
+/* Deflates planes of bytes (byte k of all values is plane k), each with the fastest coding for its content. A plane can be
+ * noise, constant, a random sequence of two bytes, or slowly varying. The result is one zlib stream, which any HDF5 reads. */
 #include "td_deflate_planes.h"
 
 #include "td_endian.h"
@@ -10,15 +9,15 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Kinds of planes, with the ns a byte that each coding takes. The kinds cut coding to a quarter of libdeflate's time: measured
- * on own_bench throughput's events (1.7 million in 30 ms), whose event has 17 planes. libdeflate alone took 55 ns an event for
- * 28.8 bits: 6.4 for each of three planes of noise, 2.4 for each of eight that don't change at all. With the kinds an event has
- * 28.5 bits. A coder of our own for all kinds took 500 lines. */
+/* Kinds of planes, with the time that each coding takes [ns per byte]. Measured on own_bench throughput's events (1.7
+ * million in 30 ms), with 17 planes each: libdeflate alone takes 55 ns an event for 28.8 bits. The kinds take a quarter of
+ * that, for 28.5 bits. libdeflate spends 6.4 ns on each of three planes of noise, and 2.4 on each of eight constant ones. A
+ * coder of our own for all kinds took 500 lines. */
 typedef enum kind {
-    NOISE, /* as it is: 0.3 */
-    SAME,  /* one byte throughout: nothing */
-    TWO,   /* bits of our own: 0.4 */
-    RUNS,  /* zlib's runs: 0.6 to 2 */
+    NOISE, /* stored: 0.3 */
+    SAME,  /* one byte throughout, as one long repetition: 0 */
+    TWO,   /* two bytes, coded here: 0.4 */
+    RUNS,  /* zlib's run lengths: 0.6 to 2 */
     OTHER  /* libdeflate: 2 to 4 */
 } kind;
 
@@ -26,15 +25,15 @@ typedef struct plane {
     const unsigned char *bytes;
     size_t count;
     kind kind;
-    unsigned char often, seldom; /* the only bytes of TWO; the first is that of SAME */
+    unsigned char often, seldom; /* the two bytes of TWO; `often` is the byte of SAME */
 } plane;
 
 /* -- kinds ----------------------------------------------------------------------------------------------------------------- */
 
-/* Counts of a loop that vectorises, in bytes: they hold no more. */
+/* Bytes that one inner loop counts. It counts in bytes so that it vectorises, and a byte must not overflow. */
 enum { COUNTED = 128 };
 
-/* How often a byte is the one before it. */
+/* Counts the bytes that equal their predecessor. */
 TD_WIDE static size_t count_repeats(const unsigned char *bytes, size_t count) {
     size_t repeats = 0, i = 1;
     for (; i + COUNTED <= count; i += COUNTED) {
@@ -67,8 +66,7 @@ TD_WIDE static void find_ends(const unsigned char *bytes, size_t count, unsigned
     *most = high;
 }
 
-/* Whether there are two bytes only, and neither follows itself more often than by chance, or by so little that repetitions
- * aren't worth looking for. */
+/* 1 if only two bytes occur, and repetitions are hardly more frequent than by chance: then coding repetitions wouldn't pay. */
 static int takes_two(plane *p, size_t repeats) {
     unsigned char low, high;
     find_ends(p->bytes, p->count, &low, &high);
@@ -80,8 +78,8 @@ static int takes_two(plane *p, size_t repeats) {
     return (double)repeats < 17.0 / 16 * by_chance;
 }
 
-/* Whether a sample's values are as good as equally frequent: they coincide hardly more often than those of noise do. A
- * quarter more is what 7.7 bits a byte can have, so that a stored plane is hardly larger than it need be. */
+/* 1 if a sample's values are almost equally frequent, so that a stored plane is hardly larger than a coded one.
+ * Coincidences may be a quarter more frequent than in noise, which allows 7.7 bits a byte. */
 static int is_flat(const unsigned char *bytes, size_t count) {
     enum { APART = 7 };
     uint64_t times[256] = {0}, coincide = 0, samples = (count + APART - 1) / APART;
@@ -106,11 +104,11 @@ static plane plane_of(const unsigned char *bytes, size_t count) {
 
 /* -- bits ------------------------------------------------------------------------------------------------------------------ */
 
-/* Bits of a stream, the first the lowest of a byte. */
+/* Output of bits; the first bit of a byte is its lowest. */
 typedef struct bits {
     unsigned char *to;
-    size_t at, room; /* bytes that find no room are counted only */
-    uint64_t held;   /* fewer than 8 between calls: */
+    size_t at, room; /* bytes beyond `room` are only counted */
+    uint64_t held;   /* fewer than 8 bits between calls */
     unsigned count;
 } bits;
 
@@ -120,20 +118,21 @@ static bits bits_into(unsigned char *to, size_t room) {
     return b;
 }
 
-/* At most 32 of them. */
+/* Appends the `count` <= 32 lowest bits of `value`. */
 static inline void put_bits(bits *b, uint64_t value, unsigned count) {
     b->held |= value << b->count;
     for (b->count += count; b->count >= 8; b->count -= 8, b->held >>= 8, b->at++)
         if (b->at < b->room) b->to[b->at] = (unsigned char)b->held;
 }
 
-/* Codes, as RFC 1951 has them, the first bit the lowest. Codes of lengths: 0 is 00, 3 to 10 times 0 is 01, 11 to 138 times 0 is
- * 10, 1 is 110, 2 is 111. Codes of bytes: the more frequent byte is 0, the other one 10, the end 11. */
+/* Huffman codes (RFC 1951), with the first bit lowest. For code lengths: 00 is length 0; 01 repeats 0 3 to 10 times, 10 11
+ * to 138 times; 110 is length 1; 111 is length 2. For bytes: the more frequent byte is 0, the other is 10, and the end is
+ * 11. */
 enum { LENGTH_NONE = 0, LENGTH_FEW = 2, LENGTH_MANY = 1, LENGTH_ONE = 3, LENGTH_TWO = 7 };
 enum { CODE_OFTEN = 0, CODE_SELDOM = 1, CODE_END = 3 };
-enum { END = 256, LONGEST = 285, LONGEST_BYTES = 258 }; /* symbols after the bytes; what the last stands for */
+enum { END = 256, LONGEST = 285, LONGEST_BYTES = 258 }; /* symbols: end, and the longest match of 258 bytes */
 
-/* Lengths of `count` codes that there aren't. */
+/* Writes length 0 for the next `count` symbols, which don't occur. */
 static void put_unused(bits *b, unsigned count) {
     enum { FEW = 3, MANY = 11, MOST = 138 };
     for (unsigned some; count > 0; count -= some) {
@@ -147,29 +146,29 @@ static void put_unused(bits *b, unsigned count) {
     }
 }
 
-/* A block's beginning: how many codes there are up to `last_code`, and the lengths' own codes. */
+/* Begins a block: writes the number of codes, up to `last_code`, and the code lengths of the code lengths. */
 static void put_head(bits *b, int last, unsigned last_code) {
     enum { LENGTHS = 18, DYNAMIC = 2 };
-    /* of 16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1 */
+    /* for the symbols 16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1 */
     static const unsigned char lengths[LENGTHS] = {0, 2, 2, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 3};
     put_bits(b, (unsigned)last | DYNAMIC << 1, 3);
-    put_bits(b, (last_code - END) | (LENGTHS - 4) << 10, 5 + 5 + 4); /* and one distance */
+    put_bits(b, (last_code - END) | (LENGTHS - 4) << 10, 5 + 5 + 4); /* and one distance code */
     for (int k = 0; k < LENGTHS; k++) put_bits(b, lengths[k], 3);
 }
 
-/* The end of a block, and of its last byte. */
+/* Ends a block and fills its last byte. */
 static size_t put_end(bits *b, int last) {
     put_bits(b, CODE_END, 2);
-    if (!last) put_bits(b, 0, 3); /* a block of bytes as they are, which begins with a whole one, */
+    if (!last) put_bits(b, 0, 3); /* an empty stored block: it begins on a whole byte, */
     if (b->count > 0) put_bits(b, 0, 8 - b->count);
-    if (!last) put_bits(b, 0xffff0000, 32); /* and has none */
+    if (!last) put_bits(b, 0xffff0000, 32); /* and has length 0 */
     return b->at <= b->room ? b->at : 0;
 }
 
 /* -- coders ---------------------------------------------------------------------------------------------------------------- */
 
-/* Each appends blocks of a deflate stream that end with a whole byte, the `last` of it or not: their bytes, 0 if it can't.
- * Neighbouring planes of one kind are given as the first one, with the bytes of all. */
+/* Each coder appends blocks of a deflate stream that end on a whole byte; `last`: the stream's last. It returns their size
+ * in bytes, 0 if it fails. Neighbouring planes of one kind are passed as the first one, with the bytes of all. */
 
 static size_t put_noise(const plane *p, int last, unsigned char *to, size_t room) {
     enum { MOST = 65535, HEAD = 5 };
@@ -186,7 +185,7 @@ static size_t put_noise(const plane *p, int last, unsigned char *to, size_t room
     return at;
 }
 
-/* The byte is seldom, and its repetitions, at the only distance, are often. */
+/* Writes a constant plane: the byte, then matches at distance 1, which get the shortest code. */
 static size_t put_same(const plane *p, int last, unsigned char *to, size_t room) {
     bits b = bits_into(to, room);
     put_head(&b, last, LONGEST);
@@ -203,7 +202,7 @@ static size_t put_same(const plane *p, int last, unsigned char *to, size_t room)
     return put_end(&b, last);
 }
 
-/* One bit or two a byte, eight bytes at a time. */
+/* Codes two-valued bytes by one or two bits each, eight bytes at a time. */
 static void put_either(bits *b, const plane *p) {
     enum { EACH = 8 };
     const uint64_t ones = 0x0101010101010101, together = 0x0102040810204080; /* moves bit 8 k to 56 + k */
@@ -219,7 +218,7 @@ static void put_either(bits *b, const plane *p) {
             length[which] = (uint8_t)(length[which] + 1 + seldom);
         }
     }
-    while (((p->often ^ p->seldom) >> apart & 1) == 0) apart++; /* a bit in which the two differ */
+    while (((p->often ^ p->seldom) >> apart & 1) == 0) apart++; /* a bit in which the two bytes differ */
     for (; i + EACH <= p->count; i += EACH) {
         const uint64_t differ = (td_le64(p->bytes + i) ^ p->often * ones) >> apart & ones;
         const uint64_t which = differ * together >> 56;
@@ -249,7 +248,7 @@ static size_t put_runs(const plane *p, int last, unsigned char *to, size_t room)
     enum { LEVEL = 1, RAW = -15, MEMORY = 5 };
     z_stream stream = {0};
     if (deflateInit2(&stream, LEVEL, Z_DEFLATED, RAW, MEMORY, Z_RLE) != Z_OK) return 0;
-    stream.next_in = (Bytef *)(uintptr_t)p->bytes; /* which it doesn't write */
+    stream.next_in = (Bytef *)(uintptr_t)p->bytes; /* zlib only reads it */
     stream.avail_in = (uInt)p->count;
     stream.next_out = to;
     stream.avail_out = (uInt)room;
@@ -268,10 +267,11 @@ static size_t put_rest(const plane *p, unsigned char *to, size_t room) {
     return put;
 }
 
-/* -- all of them ----------------------------------------------------------------------------------------------------------- */
+/* -- all planes
+ * ------------------------------------------------------------------------------------------------------------- */
 
-/* Planes from p[0] on as long as they are of a kind, but for those of TWO, which have their own codes; libdeflate always ends
- * the stream. */
+/* Writes planes from p[0] on, as many as are of one kind. A TWO plane goes alone, as it has its own codes. libdeflate
+ * always ends the stream, so from the first OTHER plane on it takes all. */
 static size_t put_planes(const plane *p, size_t planes, size_t *taken, unsigned char *to, size_t room) {
     size_t alike = p->kind == OTHER ? planes : 1;
     while (alike < planes && p->kind != TWO && p[alike].kind == p->kind && (p->kind != SAME || p[alike].often == p->often))
@@ -294,8 +294,8 @@ size_t td_deflate_planes(const unsigned char *bytes, size_t count, size_t planes
     plane p[TD_DEFLATE_PLANES];
     if (room < HEAD + CHECK || planes > TD_DEFLATE_PLANES) return 0;
     for (size_t k = 0; k < planes; k++) p[k] = plane_of(bytes + k * count, count);
-    to[0] = 0x78; /* deflate with a window of 32 kB, */
-    to[1] = 0x01; /* fastest: RFC 1950 */
+    to[0] = 0x78; /* deflate, window of 32 kB; */
+    to[1] = 0x01; /* level: fastest (RFC 1950) */
     for (size_t done = 0; done < planes; done += taken) {
         const size_t put = put_planes(p + done, planes - done, &taken, to + at, room - CHECK - at);
         if (put == 0) return 0;

@@ -1,5 +1,5 @@
-/* HDF5 for scenes, events, frames, arrays and checkpoints: silence, the reasons of failures, attributes, rows, and closing what
- * is open. */
+/* Helpers around HDF5 for all files that use it: silenced error output, reasons of failures, attributes, datasets of rows,
+ * and closing handles. */
 #include "td_h5.h"
 
 #include "td_h5_text.h"
@@ -17,8 +17,8 @@ void td_h5_quiet_begin(td_h5_quiet *saved) {
 
 void td_h5_quiet_end(const td_h5_quiet *saved) { H5Eset_auto2(H5E_DEFAULT, saved->function, saved->data); }
 
-/* Entry 0 of an upward walk is where the failure began. The driver's entries wrap the system's message in addresses and times
- * that help nobody: only the message is kept. */
+/* Called by HDF5 for each entry of its error stack; entry 0 is where the failure began. Entries of the driver wrap the
+ * system's message in addresses and times: only the message is kept. */
 static herr_t take_reason(unsigned n, const H5E_error2_t *entry, void *user) {
     td_h5_reason *reason = user;
     if (n > 0 || !entry->desc) return 0;
@@ -71,7 +71,7 @@ herr_t td_h5_write_number(hid_t file, const char *name, hid_t file_type, hid_t m
     return failed;
 }
 
-/* A text that is too long for an attribute. */
+/* Writes a text that is too long for an attribute as a dataset. */
 static herr_t write_dataset(hid_t file, const char *name, hid_t type, const char *text) {
     hid_t creation = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate(H5S_SCALAR), dataset = -1;
     if (creation >= 0 && space >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
@@ -109,7 +109,7 @@ herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value) 
     return td_h5_write_number(file, name, type, H5T_NATIVE_INT64, &value);
 }
 
-/* Opens a scalar attribute of the given class with its type; 0 where there is none. */
+/* Opens a scalar attribute of this class, and its type; 0 if there is none. */
 static int open_attribute(hid_t file, const char *name, H5T_class_t class, hid_t *attribute, hid_t *type) {
     if (H5Aexists(file, name) <= 0) return 0;
     *attribute = H5Aopen(file, name, H5P_DEFAULT);
@@ -123,7 +123,7 @@ static int open_attribute(hid_t file, const char *name, H5T_class_t class, hid_t
     return 0;
 }
 
-/* All of a text of fixed length; freed by the caller, NULL on failure. */
+/* Reads a text of fixed length, which the caller frees; NULL on failure. */
 static char *read_fixed_text(hid_t id, hid_t type, int dataset) {
     size_t bytes = H5Tget_size(type);
     char *text = bytes > 0 && bytes <= TD_H5_TEXT_MAX ? calloc(bytes + 1, 1) : NULL;
@@ -187,7 +187,7 @@ hid_t td_h5_create_rows(hid_t file, const char *name, hid_t type, hsize_t chunk)
     return dataset;
 }
 
-/* Either of the two is given. */
+/* Reads into `to`, or writes `from`; the other one is NULL. */
 static herr_t transfer_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *from, void *to) {
     const hsize_t start = first, rows = count;
     hid_t memory = H5Screate_simple(1, &rows, NULL), file = H5Dget_space(dataset);
@@ -226,5 +226,5 @@ void td_h5_close(hid_t id) {
     if (id < 0) return;
     hid_t stack = H5Eget_num(H5E_DEFAULT) > 0 ? H5Eget_current_stack() : H5I_INVALID_HID;
     close_any(id);
-    if (stack >= 0) H5Eset_current_stack(stack); /* takes the copy over */
+    if (stack >= 0) H5Eset_current_stack(stack); /* it takes over the copy */
 }

@@ -1,5 +1,5 @@
-/* Looks at heaps, trees and object headers of HDF5 files before HDF5 takes their numbers at their word, for h5_driver.c
- * (td_h5_check.h says why). The format's specification: https://docs.hdfgroup.org/hdf5/v1_10/_f_m_t3.html, II.A superblock,
+/* Checks heaps, trees and object headers of an HDF5 file before HDF5 reads them. HDF5 1.10 trusts the numbers in them, and
+ * a damaged file makes it crash or hang. Specification: https://docs.hdfgroup.org/hdf5/v1_10/_f_m_t3.html, II.A superblock,
  * III.A.1 trees, III.D local heaps, IV.A.1 object headers, IV.A.2 their messages. */
 #include "td_h5_check.h"
 
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Reads `count` bytes at an address of the file; 0 where it can't. */
+/* Reads `count` bytes at an address of the file; 0 on failure. */
 static int take(const td_h5_disk *disk, uint64_t address, void *out, size_t count) {
     if (address > disk->size - disk->base || count > disk->size - disk->base - address) return 0;
     return pread(disk->descriptor, out, count, (off_t)(disk->base + address)) == (ssize_t)count;
@@ -29,7 +29,8 @@ int td_h5_check_superblock(td_h5_disk *disk) {
 
 /* ---- local heaps: the names of a group's links ---- */
 
-/* The free blocks: each begins with where the next one is (1: nowhere) and its own size. There are no more than fit. */
+/* Follows the list of free blocks: each begins with the offset of the next one (1: none) and its own size. A list with more
+ * blocks than fit has a circle: damaged. */
 static int check_free_blocks(const unsigned char *data, uint64_t size, uint64_t at) {
     enum { BLOCK = 16 };
     for (uint64_t most = size / BLOCK; at != 1; most--) {
@@ -42,8 +43,8 @@ static int check_free_blocks(const unsigned char *data, uint64_t size, uint64_t 
 }
 
 int td_h5_check_heap(const td_h5_disk *disk, const unsigned char *bytes, size_t count) {
-    enum { PREFIX = 32, MOST = 1 << 26 };                          /* the names of a group with a million links */
-    if (count < PREFIX || memcmp(bytes, "HEAP", 4) != 0) return 1; /* the names; or HDF5 says what it is not */
+    enum { PREFIX = 32, MOST = 1 << 26 };                          /* MOST: the names of a million links */
+    if (count < PREFIX || memcmp(bytes, "HEAP", 4) != 0) return 1; /* not whole, or no heap: HDF5's own check reports it */
     uint64_t size = td_le64(bytes + 8), at = td_le64(bytes + 24);
     unsigned char *data = size <= MOST ? malloc(size ? (size_t)size : 1) : NULL;
     int fine = data && take(disk, at, data, (size_t)size) && check_free_blocks(data, size, td_le64(bytes + 16));
@@ -53,8 +54,8 @@ int td_h5_check_heap(const td_h5_disk *disk, const unsigned char *bytes, size_t 
 
 /* ---- trees: the links of a group, the chunks of a dataset ---- */
 
-/* Bytes of a key; 0 where it can't be told. A chunk's key has as many offsets as the dataset has dimensions. The node doesn't
- * tell their number: it follows from its size, and from the number of children that nodes have room for. */
+/* Size of a key in a node of `count` bytes; 0 if unknown. A chunk's key has one offset for each dimension, whose number
+ * follows from the node's size, and from the number of children that a node has room for. */
 static size_t key_bytes(int chunks, size_t count) {
     enum { HEAD = 24, ADDRESS = 8, GROUP_KEY = 8, CHILDREN = 64 /* HDF5's default, which nothing changes */ };
     if (!chunks) return GROUP_KEY;
@@ -62,7 +63,7 @@ static size_t key_bytes(int chunks, size_t count) {
     return keys % (CHILDREN + 1) == 0 ? keys / (CHILDREN + 1) : 0;
 }
 
-/* Children are one level below, so that no node is its own descendant. */
+/* A child's level must be one lower, so that no node is its own descendant and HDF5's recursion ends. */
 int td_h5_check_tree(const td_h5_disk *disk, const unsigned char *bytes, size_t count) {
     enum { HEAD = 24, ADDRESS = 8 };
     if (count < HEAD || memcmp(bytes, "TREE", 4) != 0) return 1;
@@ -80,7 +81,7 @@ int td_h5_check_tree(const td_h5_disk *disk, const unsigned char *bytes, size_t 
 
 /* ---- object headers: the types of numbers, the chunks of a dataset ---- */
 
-/* A whole number's bits lie within its bytes: HDF5 converts it bit by bit, wherever that is. */
+/* The bits of a whole number must lie within its bytes: HDF5 converts bit by bit, without a check of its own. */
 static int check_type(const unsigned char *message, size_t count) {
     enum { LENGTH = 12, WHOLE = 0, BITFIELD = 4 };
     if (count < LENGTH || ((message[0] & 15) != WHOLE && (message[0] & 15) != BITFIELD)) return 1;
@@ -88,7 +89,7 @@ static int check_type(const unsigned char *message, size_t count) {
     return precision > 0 && offset + precision <= bits;
 }
 
-/* A chunk has some of every dimension, of which a value's bytes are the last: HDF5 divides by them. */
+/* No extent of a chunk, nor its last number (the bytes of a value), may be 0: HDF5 divides by them. */
 static int check_layout(const unsigned char *message, size_t count) {
     enum { VERSION = 3, CHUNKED = 2, HEAD = 11, EACH = 4, LEAST = 2 };
     if (count < HEAD || message[0] != VERSION || message[1] != CHUNKED) return 1;
@@ -99,7 +100,7 @@ static int check_layout(const unsigned char *message, size_t count) {
     return 1;
 }
 
-/* The types and layouts that a header holds itself. */
+/* Checks a message that holds a type or a layout itself. */
 static int check_message(int kind, int flags, const unsigned char *message, size_t length) {
     enum { SHARED = 2, TYPE = 3, LAYOUT = 8 };
     if (flags & SHARED) return 1;
@@ -111,15 +112,15 @@ static int check_messages(const unsigned char *bytes, size_t count, size_t at) {
     while (at <= count && count - at >= HEAD) {
         const unsigned char *message = bytes + at;
         const size_t length = (size_t)td_le16(message + 2);
-        if (length > count - at - HEAD) return 1; /* HDF5 reads all of it next, or says that it ends too soon */
+        if (length > count - at - HEAD) return 1; /* damaged or in the next block: HDF5 checks this itself */
         if (!check_message((int)td_le16(message), message[4], message + HEAD, length)) return 0;
         at += HEAD + length;
     }
     return 1;
 }
 
-/* Version 2 has a checksum, so that damage by chance is told; what was made to do harm has the right one. A block that
- * continues such a header (OCHK) doesn't tell the length of its messages' heads. */
+/* A header of version 2 has a checksum, which finds damage by chance, but not a file made to do harm. A block that
+ * continues such a header (OCHK) isn't checked: the length of its messages' heads isn't stored in it. */
 static int check_header_2(const unsigned char *bytes, size_t count) {
     enum { FLAGS = 5, PREFIX = 6, TIMES = 16, PHASES = 4, ORDER = 2 };
     if (count < PREFIX || bytes[4] != 2) return 1;
@@ -140,9 +141,9 @@ static int check_header_2(const unsigned char *bytes, size_t count) {
     return 1;
 }
 
-/* Checks an object header of version 1, and leaves one of version 2 to check_header_2. A block that continues a header has
- * messages only. Where such a block begins with a dataspace it looks like a header, but for the dataspace's version, 1 or 2, in
- * place of a size in eights. HDF5 reads further than a header goes: bytes behind it belong to something else. */
+/* Checks an object header of version 1 or 2. A block that continues a header of version 1 has messages only. If it begins
+ * with a dataspace it looks like a header, except for the dataspace's version (1 or 2) in place of a size that is a
+ * multiple of eight. HDF5 may read past a header's end: those bytes belong to something else. */
 int td_h5_check_header(const unsigned char *bytes, size_t count) {
     enum { PREFIX = 16, SIZE = 8 };
     if (count >= 4 && memcmp(bytes, "OHDR", 4) == 0) return check_header_2(bytes, count);

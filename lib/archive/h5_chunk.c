@@ -1,4 +1,5 @@
-/* Whole chunks of rows, shuffled as HDF5's filter does it, and deflated plane by plane (deflate_planes.c). */
+/* Writes whole chunks of rows that are packed here: shuffled as HDF5's filter does, then each plane of bytes deflated by
+ * the fastest coding for it. HDF5 reads them as chunks of its own. */
 #include "td_deflate_planes.h"
 #include "td_h5.h"
 #include "td_wide.h"
@@ -6,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Byte k of all values, then byte k + 1, from the lowest on: HDF5's shuffle. By shifts of whole values, which vectorise. */
+/* HDF5's shuffle: the lowest byte of all values, then the next byte of all, and so on. It shifts whole values, which
+ * vectorises. */
 TD_WIDE static void shuffle(const void *values, size_t size, size_t count, unsigned char *to) {
     const uint8_t *one = values;
     const uint16_t *two = values;
@@ -26,7 +28,7 @@ TD_WIDE static void shuffle(const void *values, size_t size, size_t count, unsig
         }
 }
 
-/* The packed chunk's bytes in `*packed`, within `scratch`; their number, or 0. */
+/* Packs a chunk. Returns the number of bytes and where they are in `scratch`; 0 on failure. */
 static size_t pack(size_t size, size_t count, const void *values, void *scratch, unsigned char **packed) {
     const size_t bytes = size * count;
     unsigned char *shuffled = scratch;
@@ -38,7 +40,8 @@ static size_t pack(size_t size, size_t count, const void *values, void *scratch,
 herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values, void *scratch) {
     unsigned char *packed;
     const size_t length = pack(H5Tget_size(type), count, values, scratch, &packed);
-    if (length == 0) return td_h5_append_rows(dataset, type, first, count, values); /* HDF5 does it, or says why not */
+    /* HDF5 packs it itself, or reports why not */
+    if (length == 0) return td_h5_append_rows(dataset, type, first, count, values);
     const hsize_t total = first + count, begin = first;
     return H5Dset_extent(dataset, &total) < 0 ? -1 : H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &begin, length, packed);
 }
@@ -50,7 +53,7 @@ herr_t td_h5_write_chunks(hid_t dataset, const hsize_t extent[2], hsize_t rows, 
     for (hsize_t begin[2] = {0, 0}; done >= 0 && begin[0] < extent[0]; begin[0] += rows) {
         const hsize_t left = extent[0] - begin[0];
         const unsigned char *from = (const unsigned char *)values + (size_t)begin[0] * row * size;
-        if (left < rows) { /* a chunk is whole in the file */
+        if (left < rows) { /* the file stores a chunk as a whole */
             memset(scratch, 0, bytes);
             from = memcpy(scratch, from, (size_t)left * row * size);
         }

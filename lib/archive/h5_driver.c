@@ -1,4 +1,5 @@
-/* A file driver of HDF5 whose failures to write stay between us and the system. Its files are those of HDF5's own driver. */
+/* An HDF5 file driver that hides write failures from HDF5, which would crash on them, and keeps them for the caller. Its
+ * files are equal to those of HDF5's own driver. */
 #include "td_base.h"
 #include "td_h5_check.h"
 #include "td_h5_driver.h"
@@ -11,16 +12,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* An open file. The handle that HDF5 asks for points to the descriptor, as that of HDF5's own driver does. */
+/* An open file. HDF5's functions for the handle expect a pointer to the descriptor, as its own driver returns. */
 typedef struct disk_file {
     H5FD_t head; /* HDF5's */
     int descriptor;
     int *failed;            /* NULL: the file is only read */
-    haddr_t allocated, end; /* of what HDF5 has given out; of what it believes to be written */
+    haddr_t allocated, end; /* ends of the space that HDF5 has allocated, and of the bytes that it believes written */
     dev_t device;
     ino_t inode;
-    td_h5_disk disk; /* of a file that was there */
-    int written;     /* something was, since */
+    td_h5_disk disk; /* of a file opened for reading: for the checks of damage */
+    int written;     /* 1: bytes were written since it was opened */
 } disk_file;
 
 typedef struct disk_access {
@@ -31,7 +32,7 @@ static void fail(const disk_file *f, int reason) {
     if (f->failed && !*f->failed) *f->failed = reason ? reason : EIO;
 }
 
-/* HDF5 asks for the lock of a file when it is open, and then what another run wrote would be gone. */
+/* Opens and locks the file. HDF5 itself locks it only after it has truncated it, and another run's data would be lost. */
 static int open_descriptor(const char *name, unsigned flags) {
     if (flags & H5F_ACC_TRUNC) return td_claim_file(name);
     return flags & H5F_ACC_RDWR ? td_open_own(name, 0) : open(name, O_RDONLY);
@@ -53,7 +54,7 @@ static H5FD_t *open_file(const char *name, unsigned flags, hid_t access, haddr_t
         errno = EINVAL;
         if (flags & H5F_ACC_TRUNC || td_h5_check_superblock(&f->disk)) return &f->head;
     }
-    if (flags & H5F_ACC_CREAT) fail(f, errno); /* before it makes a file, HDF5 asks whether it is there */
+    if (flags & H5F_ACC_CREAT) fail(f, errno); /* HDF5 first tries to open without creating: that isn't a failure */
     if (f->descriptor >= 0) close(f->descriptor);
     free(f);
     return NULL;
@@ -73,8 +74,8 @@ static int compare_files(const H5FD_t *one, const H5FD_t *two) {
     return 0;
 }
 
-/* Features of HDF5's own driver, so that files are the same, without its accumulator (H5FD_FEAT_ACCUMULATE_METADATA). That one
- * only gathers reads and writes, and copies beyond its end where a size is damaged. */
+/* Features of HDF5's own driver, so that files are equal, but not its metadata accumulator (H5FD_FEAT_ACCUMULATE_METADATA).
+ * The accumulator only gathers reads and writes, and it overruns its buffer if a size is damaged. */
 static herr_t query(const H5FD_t *file, unsigned long *flags) {
     (void)file;
     *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_DATA_SIEVE | H5FD_FEAT_AGGREGATE_SMALLDATA |
@@ -104,8 +105,9 @@ static herr_t get_handle(H5FD_t *file, hid_t access, void **handle) {
     return 0;
 }
 
-/* Heaps and trees are looked at before anything is written; later the rest may not be there yet, and is our own. A header needs
- * nothing else, and a run that is gone on with has written before it opens its columns. */
+/* Checks bytes before HDF5 reads them. Heaps and trees are checked only until something is written. Later they may lie in
+ * HDF5's cache, and are our own. Headers are always checked: that needs no other bytes, and a resumed run writes before it
+ * opens its columns. */
 static int is_sound(const disk_file *f, H5FD_mem_t type, const unsigned char *bytes, size_t count) {
     if (type == H5FD_MEM_OHDR) return td_h5_check_header(bytes, count);
     if (f->written) return 1;
@@ -113,7 +115,7 @@ static int is_sound(const disk_file *f, H5FD_mem_t type, const unsigned char *by
     return type != H5FD_MEM_BTREE || td_h5_check_tree(&f->disk, bytes, count);
 }
 
-/* Bytes beyond the end are 0 in a file that is written, as HDF5 expects. */
+/* Reads bytes. Beyond the end, a file that is written gives zeros, as HDF5 expects. */
 static herr_t read_bytes(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t at, size_t size, void *out) {
     const disk_file *f = (const disk_file *)file;
     unsigned char *to = out;
@@ -164,7 +166,7 @@ static herr_t lock(H5FD_t *file, hbool_t alone) {
     return flock(f->descriptor, (alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0 || errno == ENOSYS ? 0 : -1;
 }
 
-/* Closing unlocks, and not before the last of a file's duplicates is closed (td_keep_claim). */
+/* Does nothing: closing the file unlocks it, once all duplicates of the descriptor are closed. td_keep_claim holds one. */
 static herr_t unlock(H5FD_t *file) {
     (void)file;
     return 0;
@@ -195,8 +197,8 @@ static const H5FD_class_t disk_class = {
     .fl_map = H5FD_FLMAP_DICHOTOMY,
 };
 
-/* Registered once, and again where the program around us has closed HDF5. If each use had its own, the last file of it would
- * free it while it is being closed, and HDF5 1.10 looks up how to close it afterwards (H5FD_close). */
+/* Registers the driver once, and again if the program around us has closed HDF5. With a registration for each file, closing
+ * the last file would free the driver before HDF5 1.10 has finished with it (H5FD_close). */
 static hid_t get_driver(void) {
     static hid_t driver = H5I_INVALID_HID;
     if (driver < 0 || H5Iget_type(driver) != H5I_VFL) driver = H5FDregister(&disk_class);
@@ -214,7 +216,7 @@ static hid_t make_access(int *failed) {
     herr_t done = access < 0 ? -1 : set_driver(access, failed);
     if (done >= 0) done = H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
 #if H5_VERSION_GE(1, 10, 7)
-    if (done >= 0) done = H5Pset_file_locking(access, 1, 1); /* not every file system has locks */
+    if (done >= 0) done = H5Pset_file_locking(access, 1, 1); /* some file systems have no locks */
 #endif
     if (done >= 0) return access;
     if (access >= 0) H5Pclose(access);

@@ -1,9 +1,9 @@
-/* Whether a dataset's filters can be run, and are to be trusted, before HDF5 runs them. */
+/* Checks that a dataset's filters are available and safe, before HDF5 runs them. */
 #include "td_h5.h"
 
 #include "td_base.h"
 
-/* Filters that data sets are compressed with and HDF5 lacks. Numbers: the HDF Group's registry of filters. */
+/* Compressions of published data sets that HDF5 lacks. Numbers: the HDF Group's registry of filters. */
 static const struct {
     H5Z_filter_t id;
     const char *name, *package;
@@ -27,10 +27,12 @@ static tides_status missing_filter(const char *path, const char *dataset, H5Z_fi
                    package ? ", or " : "");
 }
 
-/* HDF5's unpackers of n-bit and scale-offset data (1.10.8) don't check what they are given, and nobody stores events so. */
+/* The unpackers for n-bit and scale-offset data in HDF5 1.10.8 overrun their buffers if the data is damaged. No tool stores
+ * events with them, so they are refused. */
 static int is_trusted(H5Z_filter_t id) { return id != H5Z_FILTER_NBIT && id != H5Z_FILTER_SCALEOFFSET; }
 
-/* A chunk is unpacked as a whole; as large as ours may be at most (representations/array_h5.c). */
+/* HDF5 unpacks a chunk as a whole. A larger one than TIDES itself writes at most is refused, so that a damaged size can't
+ * exhaust the memory. */
 static tides_status check_chunk(const char *path, const char *name, hid_t dataset, hid_t creation, tides_error *error) {
     enum { CHUNK_MAX = 1 << 30 }; /* bytes */
     hsize_t chunk[H5S_MAX_RANK];

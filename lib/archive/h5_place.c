@@ -1,4 +1,4 @@
-/* Groups, attributes and datasets of HDF5 files, with messages that say where. Every handle is closed on every path. */
+/* Reads and writes groups, attributes and datasets of HDF5 files; each error names the file and the place in it. */
 #include "td_h5_place.h"
 
 #include "td_base.h"
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Deflate, the strongest filter in common use, shrinks by at most this factor (zlib's documentation): values beyond file size
- * times this can't be in the file, whatever its header says. */
+/* Deflate, the strongest filter in common use, packs by at most this factor (zlib's documentation). A header that claims more
+ * than the file's size times this is damaged. */
 enum { DEFLATE_MAX = 1032 };
 
 static tides_status enter(const td_place *parent, const char *name, hid_t id, td_place *place) {
@@ -45,7 +45,7 @@ static tides_status fail_attribute(const td_place *place, const char *name, cons
                    place->where, expected);
 }
 
-/* Opens an attribute that holds exactly one value; negative where there is none. */
+/* Opens an attribute that holds exactly one value; negative if there is none. */
 static hid_t open_attribute(const td_place *place, const char *name) {
     hid_t attribute = H5Aexists(place->id, name) > 0 ? H5Aopen(place->id, name, H5P_DEFAULT) : H5I_INVALID_HID;
     if (attribute < 0) return H5I_INVALID_HID;
@@ -57,7 +57,7 @@ static hid_t open_attribute(const td_place *place, const char *name) {
     return H5I_INVALID_HID;
 }
 
-/* Whether the attribute holds an integer or, where `real`, any number. */
+/* 1 if the attribute holds an integer or, with `real`, any number. */
 static int is_number(hid_t attribute, int real) {
     hid_t type = H5Aget_type(attribute);
     H5T_class_t class = type >= 0 ? H5Tget_class(type) : H5T_NO_CLASS;
@@ -106,7 +106,7 @@ tides_status td_place_write_text(const td_place *place, const char *name, const 
 
 /* -- datasets -- */
 
-/* Opens a dataset of floating-point numbers; negative where there is none. */
+/* Opens a dataset of floating-point numbers; negative if there is none. */
 static hid_t open_floats(const td_place *place, const char *name) {
     hid_t set = td_place_has(place, name) ? H5Dopen2(place->id, name, H5P_DEFAULT) : H5I_INVALID_HID;
     if (set < 0) return H5I_INVALID_HID;
@@ -118,7 +118,7 @@ static hid_t open_floats(const td_place *place, const char *name) {
     return H5I_INVALID_HID;
 }
 
-/* Whether a shape, filled up with ones, has no more values than the dataset's stored bytes, and the file, can hold. */
+/* 1 if a shape (unused extents are 1) claims no more values than the dataset's stored bytes, and the file, can hold. */
 static int is_plausible(const td_place *place, hid_t set, const uint64_t shape[TD_PLACE_RANK_MAX]) {
     hsize_t file_bytes = 0, stored = H5Dget_storage_size(set);
     hid_t file = H5Iget_file_id(place->id);
@@ -128,7 +128,7 @@ static int is_plausible(const td_place *place, hid_t set, const uint64_t shape[T
     uint64_t room = (uint64_t)stored * DEFLATE_MAX;
     for (int i = 0; i < TD_PLACE_RANK_MAX; i++) {
         if (shape[i] == 0) return 1;
-        room /= shape[i]; /* the floor of floors is the floor of the whole quotient */
+        room /= shape[i]; /* dividing step by step and rounding down gives the same as one division */
     }
     return room >= 1;
 }

@@ -1,4 +1,4 @@
-/* Lists the contents of a place in an HDF5 file, where they aren't known beforehand. */
+/* Lists the names of groups, datasets and attributes at a place in an HDF5 file, for readers of files whose contents vary. */
 #include "td_base.h"
 #include "td_h5_place.h"
 

@@ -1,4 +1,4 @@
-/* A small HDF5 file as a whole: written beside and put in its place, with the reason where it can't be. */
+/* Writes a small HDF5 file as PATH.part and renames it. On failure the error has the reason from HDF5 or the system. */
 #include "td_base.h"
 #include "td_h5.h"
 #include "td_h5_driver.h"

@@ -13,13 +13,13 @@ enum {
     MESSAGE_CONTINUATION = 0x10,
     MESSAGE_ATTRIBUTE = 0x0c,
     HEADER_MAX = 1 << 20, /* bytes of one block of an object header; HDF5 writes a few kB, 64 kB for one long attribute */
-    BLOCKS_MAX = 256,     /* of one object: each holds a message more at least, so that a chain in a circle ends */
+    BLOCKS_MAX = 256,     /* blocks of one object header; a damaged file may chain them in a circle */
     HEAP_MAX = 64 << 20   /* bytes of a heap; HDF5 makes them of 4 kB, or as long as one text */
 };
 
 /* ---- bytes ---- */
 
-/* The bytes of an open file, on the disk or in memory. */
+/* An open HDF5 file as bytes, on the disk or in memory. */
 typedef struct file_bytes {
     int descriptor;
     const unsigned char *memory;
@@ -38,7 +38,7 @@ static int find_bytes(hid_t file, file_bytes *bytes) {
         done = H5Fget_filesize(file, &size) >= 0;
         bytes->size = size;
     } else if (done) {
-        bytes->descriptor = *(const int *)handle; /* of HDF5's driver for the disk, or of ours */
+        bytes->descriptor = *(const int *)handle; /* HDF5's own driver and ours both return a pointer to the descriptor */
         done = fstat(bytes->descriptor, &facts) == 0;
         bytes->size = done ? (uint64_t)facts.st_size : 0;
     }
@@ -46,7 +46,7 @@ static int find_bytes(hid_t file, file_bytes *bytes) {
     return done;
 }
 
-/* NULL where the file hasn't so many there; freed by the caller. */
+/* Copies `size` bytes from `at`, which the caller frees; NULL if the file ends before that. */
 static unsigned char *take(const file_bytes *bytes, uint64_t at, uint64_t size) {
     if (at > bytes->size || size > bytes->size - at) return NULL;
     unsigned char *copy = malloc(size ? (size_t)size : 1);
@@ -61,7 +61,7 @@ static unsigned char *take(const file_bytes *bytes, uint64_t at, uint64_t size) 
 
 /* ---- the heap ---- */
 
-/* Object `index` of the collection at `address`. */
+/* The text in object `index` of the heap at `address`. */
 static char *text_in_heap(const file_bytes *bytes, uint64_t address, uint64_t index, uint64_t length) {
     enum { HEAD = 16, OBJECT = 16 };
     unsigned char *head = take(bytes, address, HEAD), *heap = NULL;
@@ -72,7 +72,7 @@ static char *text_in_heap(const file_bytes *bytes, uint64_t address, uint64_t in
     for (uint64_t at = HEAD; heap && size - at >= OBJECT;) {
         const unsigned char *object = heap + at;
         uint64_t stored = td_le64(object + 8), room = size - at - OBJECT;
-        if (td_le16(object) == 0 || stored > room) break; /* what is free is the last */
+        if (td_le16(object) == 0 || stored > room) break; /* object 0 is the free space, and is last */
         if (td_le16(object) == index) {
             text = stored >= length ? calloc((size_t)length + 1, 1) : NULL;
             if (text) memcpy(text, object + OBJECT, (size_t)length);
@@ -91,17 +91,17 @@ typedef struct search {
     const file_bytes *bytes;
     const char *name;
     size_t most;
-    int found; /* the attribute, whatever came of it */
+    int found; /* 1: the attribute was found, even if its text couldn't be read */
     char *text;
 } search;
 
 static uint64_t padded(uint64_t size, int version) { return version == 1 ? (size + 7) / 8 * 8 : size; }
 
-/* An attribute's message. Its parts follow its head: name, type, extent, value. */
+/* Parses an attribute's message: a head, then name, type, extent and value. Sets `text` if the name is the wanted one. */
 static void look_at_attribute(search *s, const unsigned char *p, uint64_t size) {
     enum { LENGTH = 4, ADDRESS = 8, INDEX = 4, VLEN = 9, STRING = 1 };
     int version = size >= 9 ? p[0] : 0;
-    if (version < 1 || version > 3 || (version > 1 && p[1] != 0)) return; /* 2, 3: types that are shared aren't followed */
+    if (version < 1 || version > 3 || (version > 1 && p[1] != 0)) return; /* shared types (versions 2 and 3) aren't followed */
     uint64_t name = td_le16(p + 2), type = td_le_number(p + 4, 2), extent = td_le_number(p + 6, 2), head = version == 3 ? 9 : 8;
     uint64_t type_at = head + padded(name, version), value_at = type_at + padded(type, version) + padded(extent, version);
     if (name != strlen(s->name) + 1 || value_at > size || memcmp(p + head, s->name, (size_t)name) != 0) return;
@@ -123,7 +123,7 @@ typedef struct block {
 } block;
 
 typedef struct header {
-    int version, tracked; /* the second has an order of creation with each message */
+    int version, tracked; /* tracked: version 2 stores the order of creation with each message */
     block blocks[BLOCKS_MAX];
     int count;
 } header;
@@ -132,7 +132,7 @@ static void add_block(header *h, uint64_t at, uint64_t size) {
     if (h->count < BLOCKS_MAX && size <= HEADER_MAX) h->blocks[h->count++] = (block){at, size};
 }
 
-/* Messages of one block. */
+/* Looks through the messages of one block. */
 static void look_at_block(search *s, header *h, const unsigned char *p, uint64_t size) {
     uint64_t head = h->version == 1 ? 8 : 4 + 2 * (uint64_t)h->tracked;
     for (uint64_t at = 0; !s->found && size - at >= head;) {
@@ -146,7 +146,7 @@ static void look_at_block(search *s, header *h, const unsigned char *p, uint64_t
     }
 }
 
-/* Where the messages of the object at `at` begin. */
+/* Finds where the messages of the object at `at` begin. */
 static int begin(const file_bytes *bytes, uint64_t at, header *h) {
     enum { PROLOGUE = 16, TIMES = 16, PHASES = 4 };
     unsigned char *p = take(bytes, at, PROLOGUE);
@@ -170,7 +170,7 @@ static void look_at_object(search *s, uint64_t at) {
     for (int i = 0; i < h.count && !s->found; i++) {
         const block *b = &h.blocks[i];
         unsigned char *p = take(s->bytes, b->at, b->size);
-        int framed = h.version == 2 && i > 0; /* "OCHK", and a checksum */
+        int framed = h.version == 2 && i > 0; /* begins with "OCHK" and ends with a checksum */
         if (p && !framed) look_at_block(s, &h, p, b->size);
         if (p && framed && b->size >= 8 && memcmp(p, "OCHK", 4) == 0) look_at_block(s, &h, p + 4, b->size - 8);
         free(p);
@@ -179,7 +179,7 @@ static void look_at_object(search *s, uint64_t at) {
 
 /* ---- all of it ---- */
 
-/* Addresses count from the end of a block that a user may have put before the file. */
+/* 1 if the file begins at byte 0. A user's own bytes may stand before it; then addresses count from their end. */
 static int is_plain(hid_t file) {
     hid_t creation = H5Fget_create_plist(file);
     hsize_t block_before = 1;

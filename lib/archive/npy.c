@@ -1,5 +1,5 @@
-/* One .npy in memory: magic, version, a Python dict in text, the elements (numpy.lib.format). For frames, models, noise
- * tables and events; where the bytes come from, and what the numbers mean, is for those who call. */
+/* Parses one .npy in memory (numpy.lib.format): magic, version, a Python dict as text, the elements. The caller supplies the
+ * bytes and knows what the numbers mean. */
 #include "archive/td_npy_parts.h"
 #include "archive/td_numbers.h"
 #include "archive/td_pyrepr.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* "(3, 4)", "(3,)" or "()"; a product beyond size_t is no array that a file holds. */
+/* Reads "(3, 4)", "(3,)" or "()". An element count that overflows size_t is refused: no file can hold it. */
 static int read_shape(const td_value *shape, td_npy_array *array) {
     if (!shape || shape->kind != TD_VALUE_TUPLE || shape->count > TD_NPY_DIMENSIONS_MAX) return 0;
     array->count = 1;
@@ -25,7 +25,7 @@ static int read_shape(const td_value *shape, td_npy_array *array) {
     return 1;
 }
 
-/* Copies elements stored with the first index running fastest into C order. */
+/* Copies elements from Fortran order, where the first index runs fastest, into C order. */
 static void from_fortran(const unsigned char *stored, const td_npy_array *array, unsigned char *out) {
     for (size_t i = 0; i < array->count; i++) {
         size_t rest = i, from = 0;
@@ -39,7 +39,7 @@ static void from_fortran(const unsigned char *stored, const td_npy_array *array,
     }
 }
 
-/* Where the header's text and the elements are. */
+/* Positions of the header's text and of the elements. */
 typedef struct layout {
     const char *header;
     size_t header_bytes;
@@ -57,7 +57,7 @@ static tides_status find_parts(const char *what, const unsigned char *npy, size_
     if (start == 12) length |= (size_t)npy[10] << 16 | (size_t)npy[11] << 24;
     if (size - start < length)
         return td_fail(error, TIDES_BAD_FILE, "%s: is truncated in its header of %zu bytes", what, length);
-    if (length > 65536) /* numpy's own writer needs a few hundred; its reader refuses more than 10000 by default */
+    if (length > 65536) /* numpy itself writes a few hundred bytes, and reads 10000 at most */
         return td_fail(error, TIDES_BAD_FILE, "%s: has a header of %zu bytes: 65536 are the most that is read", what, length);
     parts->header = (const char *)npy + start;
     parts->header_bytes = length;
@@ -108,7 +108,7 @@ tides_status td_npy_parse(const char *what, const unsigned char *npy, size_t siz
     return status;
 }
 
-/* The field's bytes as a number. */
+/* The bytes of a field of one element as an unsigned integer. */
 static uint64_t load_bits(const td_npy_array *array, const td_npy_field *field, size_t index) {
     return td_le_number((const unsigned char *)array->data + index * array->item + field->offset, field->bytes);
 }
@@ -118,8 +118,8 @@ int td_npy_integer(const td_npy_array *array, const td_npy_field *field, size_t 
         return 0;
     uint64_t bits = load_bits(array, field, index);
     unsigned unused = 64 - 8 * (unsigned)field->bytes;
-    if (field->kind == 'i')
-        *value = (int64_t)(bits << unused) >> unused; /* arithmetic shift: every compiler we know of */
+    if (field->kind == 'i') /* sign-extends: all common compilers shift signed numbers arithmetically */
+        *value = (int64_t)(bits << unused) >> unused;
     else if (bits > INT64_MAX)
         return 0;
     else

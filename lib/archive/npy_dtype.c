@@ -1,12 +1,12 @@
-/* numpy's dtypes for npy.c: "<f4", or a list of (name, dtype) pairs for packed structures (numpy.lib.format, "descr"). Types
- * that would have to be executed (objects) are refused. */
+/* Parses numpy's dtypes from an .npy header (numpy.lib.format, "descr"): "<f4", or a list of (name, dtype) pairs for packed
+ * structures. Object dtypes are refused: reading them would execute code from the file. */
 #include "archive/td_npy_parts.h"
 #include "td_base.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* "<i2": byte order, kind, bytes (for U: letters of four). */
+/* Parses a plain dtype such as "<i2": byte order, kind, bytes. For kind U the number counts letters of four bytes. */
 static tides_status read_plain(const char *what, const char *text, td_npy_field *field, tides_error *error) {
     if (text && text[0] && strchr("<>|=", text[0]) && text[1] == 'O')
         return td_fail(error, TIDES_UNSUPPORTED, "%s: holds Python objects, which would have to be executed: save numbers",
@@ -41,13 +41,13 @@ static tides_status read_field(const char *what, const td_value *pair, td_npy_ar
     return TIDES_OK;
 }
 
-/* The byte order and the rest of field `i`'s dtype, as stored. */
+/* The dtype of field `i` as stored, from the byte order on. */
 static const char *stored_type(const td_value *descr, size_t i) {
     const char *plain = td_value_text(descr);
     return plain ? plain : td_value_text(td_value_item(td_value_item(descr, i), 1));
 }
 
-/* The dtype as text again, in numpy's form, little-endian. */
+/* Writes the dtype as text in numpy's form, with little-endian byte order. */
 static tides_status write_dtype(const char *what, const td_value *descr, td_npy_array *array, tides_error *error) {
     int plain = descr->kind == TD_VALUE_TEXT;
     size_t used = 0, room = sizeof array->dtype;
@@ -95,7 +95,7 @@ void td_npy_swap(td_npy_array *array, const td_value *descr, unsigned char *elem
     for (size_t f = 0; f < array->field_count; f++) {
         const td_npy_field *field = &array->fields[f];
         if (stored_type(descr, f)[0] != '>') continue;
-        /* Texts are letters of four bytes, complex numbers pairs; bytes and raw data have no order. */
+        /* A text has letters of four bytes, a complex number two halves; bytes and raw data have no order. */
         size_t unit = field->kind == 'U' ? 4 : field->kind == 'c' ? field->bytes / 2 : field->bytes;
         if (field->kind == 'S' || field->kind == 'V' || unit < 2) continue;
         for (size_t i = 0; i < array->count; i++)

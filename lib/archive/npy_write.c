@@ -1,5 +1,5 @@
-/* Writing .npy and .npz as a stream: rows go out as they come, and what depends on their number (the shape in the array's
- * header, sizes and checksum in the archive's) is put in afterwards, in room that was left for it. */
+/* Writes .npy and .npz files as a stream. The number of rows is known only at the end: room is left for it in the array's
+ * header and the archive's records, which are then completed. */
 #include "archive/td_npy.h"
 #include "td_base.h"
 
@@ -20,15 +20,15 @@ typedef struct member {
 struct td_npy_writer {
     FILE *file;
     char *path, *part;
-    int zipped, is_open; /* an array was begun and not ended */
-    uint64_t at;         /* end of what was written */
+    int zipped, is_open; /* an array was begun and not yet ended */
+    uint64_t at;         /* bytes written so far */
     member *members;
     size_t count, capacity;
     char *dtype;
     int ndim;
     size_t inner[TD_NPY_DIMENSIONS_MAX], row_bytes, header_bytes;
-    uint64_t rows, start; /* `start`: of the array's header */
-    uint32_t crc;         /* of the rows */
+    uint64_t rows, start; /* start: position of the array's header */
+    uint32_t crc;         /* checksum of the rows */
 };
 
 static tides_status put(td_npy_writer *w, const void *bytes, size_t size, tides_error *error) {
@@ -41,7 +41,7 @@ static tides_status put(td_npy_writer *w, const void *bytes, size_t size, tides_
     return TIDES_OK;
 }
 
-/* Over what is already there; the position returns to the end. */
+/* Overwrites bytes at `at`, then returns to the end of the file. */
 static tides_status put_at(td_npy_writer *w, uint64_t at, const void *bytes, size_t size, tides_error *error) {
     if (fseeko(w->file, (off_t)at, SEEK_SET) == 0 && fwrite(bytes, 1, size, w->file) == size &&
         fseeko(w->file, 0, SEEK_END) == 0)
@@ -74,7 +74,7 @@ tides_status td_npy_writer_open(const char *path, int zipped, td_npy_writer **wr
 
 /* -- the array's header -- */
 
-/* "(12, 3)", "(12,)" or "()": `rows` stands for the first extent. */
+/* Writes the shape as "(12, 3)", "(12,)" or "()"; `rows` is the first extent. */
 static size_t write_shape(const td_npy_writer *w, uint64_t rows, char *text, size_t room) {
     if (w->ndim == 0) return (size_t)snprintf(text, room, "()");
     size_t used = (size_t)snprintf(text, room, "(%llu,", (unsigned long long)rows);
@@ -83,7 +83,7 @@ static size_t write_shape(const td_npy_writer *w, uint64_t rows, char *text, siz
     return used + (size_t)snprintf(text + used, room - used, ")");
 }
 
-/* Magic, version 1.0, length, dict, padding and line end; `bytes` of it in all. */
+/* Writes a .npy header of exactly `bytes` bytes: magic, version 1.0, length, dict, padding, line end. */
 static void write_header(const td_npy_writer *w, char header[HEADER_MAX], size_t bytes) {
     static const char magic[8] = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0};
     char shape[256];
@@ -94,11 +94,11 @@ static void write_header(const td_npy_writer *w, char header[HEADER_MAX], size_t
     header[9] = (char)((bytes - 10) >> 8);
     int length =
         snprintf(header + 10, HEADER_MAX - 10, "{'descr': %s, 'fortran_order': False, 'shape': %s, }", w->dtype, shape);
-    header[10 + length] = ' '; /* in place of the terminator */
+    header[10 + length] = ' '; /* overwrites snprintf's NUL */
     header[bytes - 1] = '\n';
 }
 
-/* Bytes that the header takes however many rows come. */
+/* Size of the header, which has room for any number of rows. */
 static size_t header_room(const td_npy_writer *w) {
     char shape[256];
     size_t dict = strlen("{'descr': , 'fortran_order': False, 'shape': , }") + strlen(w->dtype) +
@@ -113,8 +113,8 @@ static unsigned char *number(unsigned char *out, uint64_t value, int bytes) {
     return out;
 }
 
-/* The 26 bytes that local and central records share, from "version needed" to the lengths. Members are stored, and dated
- * 1980-01-01, the format's first day, so that equal arrays give equal files. */
+/* Writes the 26 bytes that local and central records share, from "version needed" to the lengths. Members are stored, not
+ * deflated. Their date is 1980-01-01, the format's first day, so that equal arrays give equal files. */
 static unsigned char *member_facts(unsigned char *out, const member *m) {
     out = number(out, 20, 2);
     out = number(out, 0, 4); /* flags, method */
@@ -187,7 +187,7 @@ static tides_status add_member(td_npy_writer *w, const char *name, tides_error *
     return w->zipped ? put_local(w, &w->members[w->count - 1], error) : TIDES_OK;
 }
 
-/* Takes over dtype and shape; TIDES_BAD_ARGUMENT where they can't be. */
+/* Takes over dtype and shape; TIDES_BAD_ARGUMENT if they are invalid. */
 static tides_status set_form(td_npy_writer *w, const td_npy_form *form, tides_error *error) {
     const int ndim = form->ndim;
     if (ndim < 0 || ndim > TD_NPY_DIMENSIONS_MAX || form->item == 0 || strlen(form->dtype) > HEADER_MAX - 1024)
@@ -229,7 +229,7 @@ tides_status td_npy_writer_append(td_npy_writer *writer, const void *rows, size_
     tides_status status = bytes ? put(writer, rows, bytes, error) : TIDES_OK;
     if (status) return status;
     if (writer->zipped && bytes)
-        writer->crc = (uint32_t)crc32(writer->crc, rows, (uInt)bytes); /* below 4 GiB: `put` saw to it */
+        writer->crc = (uint32_t)crc32(writer->crc, rows, (uInt)bytes); /* fits: `put` refuses 4 GiB and more */
     writer->rows += count;
     return TIDES_OK;
 }

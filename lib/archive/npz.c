@@ -1,4 +1,4 @@
-/* Archives of .npy: .npz files, and a lone .npy as an archive of one. */
+/* Reads .npz archives of arrays; a lone .npy is treated as an archive with one array. */
 #include "archive/td_npy_parts.h"
 #include "archive/td_numbers.h"
 #include "archive/td_zip.h"
@@ -12,12 +12,12 @@
 typedef struct entry {
     char *name;
     td_npy_array array;
-    void *owned; /* array.data once read */
+    void *owned; /* the array's memory, once read */
 } entry;
 
 struct td_npz {
-    char *path, *file; /* `file`: what td_npz_open read, else NULL */
-    td_zip zip;        /* no members for an .npy */
+    char *path, *file; /* file: the bytes that td_npz_open read and owns, else NULL */
+    td_zip zip;        /* without members for an .npy */
     entry *entries;
     size_t count;
 };
@@ -61,7 +61,7 @@ tides_status td_npz_open(const char *path, td_npz **npz, tides_error *error) {
     td_npz *made = NULL;
     tides_status status = td_read_file(path, SIZE_MAX - 1, &file, &size, error);
     if (!status) status = td_npz_parse(path, file, size, &made, error);
-    if (status || made->zip.count == 0) { /* a lone array has its own copy */
+    if (status || made->zip.count == 0) { /* the array of a lone .npy is a copy, so the file's bytes can go */
         free(file);
         file = NULL;
     }

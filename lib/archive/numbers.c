@@ -1,5 +1,5 @@
-/* Numbers as files store them, of any width and half precision too, and shapes as messages show them: for the readers of
- * .npy and of tensors. */
+/* Decodes floating-point numbers of 2, 4 or 8 bytes, and formats shapes for messages. Used by the readers of .npy and of
+ * tensors. */
 #include "archive/td_numbers.h"
 #include "td_half.h"
 
@@ -21,7 +21,7 @@ double td_float_bits(uint64_t bits, size_t bytes) {
 
 const char *td_shape_text(int ndim, const int64_t *shape, char text[TD_SHAPE_BYTES]) {
     size_t used = (size_t)snprintf(text, TD_SHAPE_BYTES, "[");
-    for (int d = 0; d < ndim && d < 8; d++) { /* 8 times at most 22 characters */
+    for (int d = 0; d < ndim && d < 8; d++) { /* at most 8 extents of 22 characters fit in the buffer */
         const char *comma = d ? ", " : "";
         used += shape[d] < 0 ? (size_t)snprintf(text + used, TD_SHAPE_BYTES - used, "%sany", comma)
                              : (size_t)snprintf(text + used, TD_SHAPE_BYTES - used, "%s%lld", comma, (long long)shape[d]);

@@ -1,5 +1,5 @@
-/* The stack machine of Python's pickle, protocol 2 (pickletools.py documents every instruction): the ones that torch.save
- * writes, without those that could do more than put data together. */
+/* A stack machine for Python's pickle, protocol 2 (pickletools.py documents every instruction). It has the instructions that
+ * torch.save writes, without those that could run code. */
 #include "archive/td_pickle.h"
 #include "archive/td_numbers.h"
 #include "archive/td_pickle_parts.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PICKLE_BYTES_MAX = 1 << 24 }; /* tensors lie outside: the largest optimizer's pickle is below one MiB */
+enum { PICKLE_BYTES_MAX = 1 << 24 }; /* the tensors' data lies outside the pickle, and an optimizer's pickle is below 1 MiB */
 
 enum { /* clang-format off */
     OP_MARK = '(', OP_STOP = '.', OP_NONE = 'N', OP_TRUE = 0x88, OP_FALSE = 0x89, OP_BININT = 'J', OP_BININT1 = 'K',
@@ -32,7 +32,7 @@ static tides_status read_number(td_pickle *p, size_t count, uint64_t *value) {
     return TIDES_OK;
 }
 
-/* A NULL value is a mark. */
+/* Pushes a value, or a mark for NULL. */
 static tides_status put(td_pickle *p, td_value *value) {
     void *stack = p->stack;
     tides_status status = td_reserve(&stack, &p->stack_capacity, p->depth + 1, sizeof *p->stack, p->error);
@@ -41,24 +41,24 @@ static tides_status put(td_pickle *p, td_value *value) {
     return status;
 }
 
-/* A NULL value is memory that wasn't there. */
+/* Pushes a new value; NULL means that its allocation failed. */
 static tides_status push(td_pickle *p, td_value *value) { return value ? put(p, value) : TIDES_NO_MEMORY; }
 
-/* The value on top goes to `*value`. */
+/* Takes the top value off the stack. */
 static tides_status pop(td_pickle *p, td_value **value) {
     if (p->depth == 0 || !p->stack[p->depth - 1]) return damaged(p, "a value is missing");
     *value = p->stack[--p->depth];
     return TIDES_OK;
 }
 
-/* Number of values above the newest mark, which stands right below them. */
+/* Counts the values above the newest mark. */
 static tides_status count_to_mark(td_pickle *p, size_t *count) {
     *count = 0;
     while (*count < p->depth && p->stack[p->depth - 1 - *count]) ++*count;
     return *count < p->depth ? TIDES_OK : damaged(p, "a mark is missing");
 }
 
-/* The container below `above` values (and a mark, where `marked`), of a kind. */
+/* The container of kind `kind` below the top `above` values (and, if `marked`, the mark). */
 static tides_status below(td_pickle *p, size_t above, int kind, td_value **container) {
     td_value *found = p->depth > above ? p->stack[p->depth - 1 - above] : NULL;
     if (!found || found->kind != kind) return damaged(p, "items go to something that can't hold them");
@@ -77,7 +77,7 @@ static tides_status make_tuple(td_pickle *p, size_t count, size_t dropped) {
     return push(p, tuple);
 }
 
-/* `count` values, and `dropped` marks below them, go into the list or dict below. */
+/* Moves the top `count` values into the list or dict below them, and drops `dropped` marks in between. */
 static tides_status fill(td_pickle *p, int kind, size_t count, size_t dropped) {
     td_value *into = NULL;
     size_t step = kind == TD_VALUE_DICT ? 2 : 1;
@@ -107,7 +107,8 @@ static tides_status memo_put(td_pickle *p, size_t width) {
     uint64_t index = 0;
     tides_status status = read_number(p, width, &index);
     if (status) return status;
-    if (index >= p->size) return damaged(p, "its memo is larger than itself"); /* an instruction puts one entry */
+    /* each entry takes an instruction, so the memo can't be larger than the pickle */
+    if (index >= p->size) return damaged(p, "its memo is larger than itself");
     if (p->depth == 0 || !p->stack[p->depth - 1]) return damaged(p, "a value is missing");
     size_t had = p->memo_count;
     void *memo = p->memo;
@@ -129,7 +130,7 @@ static tides_status memo_get(td_pickle *p, size_t width) {
 
 /* -- plain values -- */
 
-/* Sign-extends the lowest `bytes` bytes. */
+/* Sign-extends a number of `bytes` bytes. */
 static int64_t with_sign(uint64_t bits, unsigned bytes) {
     uint64_t sign = bytes ? UINT64_C(1) << (8 * bytes - 1) : 0;
     return (int64_t)((bits ^ sign) - sign);
@@ -150,7 +151,7 @@ static tides_status push_long(td_pickle *p) {
     return status ? status : push_integer(p, (unsigned)bytes, 1);
 }
 
-/* Big-endian, alone among all numbers of protocol 2. */
+/* Floats are big-endian in protocol 2; all other numbers are little-endian. */
 static tides_status push_float(td_pickle *p) {
     if (p->size - p->at < 8) return damaged(p, "it ends within an instruction");
     const uint64_t bits = td_be64(p->bytes + p->at);
@@ -168,9 +169,9 @@ static tides_status push_text(td_pickle *p) {
     return push(p, text);
 }
 
-/* -- what would be imported and called -- */
+/* -- names of functions and their calls -- */
 
-/* A line without its end. */
+/* Reads a line; `length` is without the line end. */
 static tides_status read_line(td_pickle *p, const char **line, size_t *length) {
     const unsigned char *start = p->bytes + p->at, *end = memchr(start, '\n', p->size - p->at);
     if (!end) return damaged(p, "a name has no end");

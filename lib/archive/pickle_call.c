@@ -1,4 +1,5 @@
-/* The few functions that pickles of tensors call, done by hand: each only puts data together. */
+/* The few functions that a pickle of tensors may call. Each is done here by hand, without Python, and only puts data
+ * together. */
 #include "archive/td_numbers.h"
 #include "archive/td_pickle_parts.h"
 #include "td_base.h"
@@ -20,7 +21,7 @@ static const struct {
     {"numpy.core.multiarray", "scalar", SCALAR},
     {"numpy._core.multiarray", "scalar", SCALAR}, /* numpy 2 */
     {"numpy", "dtype", DTYPE},
-    {"_codecs", "encode", ENCODE}, /* how protocol 2 writes bytes */
+    {"_codecs", "encode", ENCODE}, /* protocol 2 writes bytes as a call of encode(text, 'latin1') */
     {"torch", "FloatStorage", STORAGE + TD_TENSOR_FLOAT32},
     {"torch", "DoubleStorage", STORAGE + TD_TENSOR_FLOAT64},
     {"torch", "HalfStorage", STORAGE + TD_TENSOR_FLOAT16},
@@ -36,7 +37,7 @@ static int is(const char *text, size_t length, const char *expected) {
     return strlen(expected) == length && memcmp(text, expected, length) == 0;
 }
 
-/* Names are the file's: only so much of them, and nothing after a NUL, reaches a message. */
+/* Letters of a name from the file that an error shows: a damaged file may have a name of any length. */
 static int shown(size_t length) { return length > 80 ? 80 : (int)length; }
 
 tides_status td_pickle_global(td_pickle *pickle, const char *module, size_t module_length, const char *name, size_t name_length,
@@ -67,7 +68,7 @@ static int read_extents(const td_value *tuple, int ndim, int64_t *extents) {
     return 1;
 }
 
-/* Product of the extents, or -1 where it is beyond `limit`. */
+/* Product of the extents, or -1 if it is beyond `limit`. */
 static int64_t count_elements(const td_tensor *t, int64_t limit) {
     int64_t count = 1;
     for (int d = 0; d < t->ndim; d++)
@@ -79,7 +80,7 @@ static int64_t count_elements(const td_tensor *t, int64_t limit) {
     return count <= limit ? count : -1;
 }
 
-/* Whether all elements lie in a storage of `limit`. */
+/* 1 if all elements lie in a storage of `limit` elements. */
 static int lies_within(const td_tensor *t, int64_t limit) {
     if (t->count == 0) return 1;
     if (t->offset >= limit) return 0;
@@ -92,7 +93,7 @@ static int lies_within(const td_tensor *t, int64_t limit) {
     return 1;
 }
 
-/* (storage, offset, shape, stride, requires_grad, hooks) */
+/* Makes a tensor from (storage, offset, shape, stride, requires_grad, hooks). */
 static tides_status rebuild_tensor(td_pickle *p, const td_value *arguments, td_value **made) {
     const td_value *source = td_value_item(arguments, 0), *shape = td_value_item(arguments, 2),
                    *stride = td_value_item(arguments, 3);
@@ -124,7 +125,7 @@ static tides_status rebuild_tensor(td_pickle *p, const td_value *arguments, td_v
     return TIDES_OK;
 }
 
-/* (tensor, requires_grad, hooks) */
+/* Makes a parameter from (tensor, requires_grad, hooks): it becomes its tensor. */
 static tides_status rebuild_parameter(td_pickle *p, const td_value *arguments, td_value **made) {
     const td_value *tensor = td_value_item(arguments, 0);
     if (!tensor || tensor->kind != TD_VALUE_TENSOR) return damaged(p, "a parameter holds no tensor");
@@ -147,7 +148,7 @@ static tides_status make_dtype(td_pickle *p, const td_value *arguments, td_value
     return TIDES_OK;
 }
 
-/* (text, 'latin1'): each letter is a byte. */
+/* Decodes (text, 'latin1') to bytes: each letter of the text is one byte. */
 static tides_status encode(td_pickle *p, const td_value *arguments, td_value **made) {
     const td_value *text = td_value_item(arguments, 0);
     const char *codec = td_value_text(td_value_item(arguments, 1));
@@ -221,7 +222,7 @@ tides_status td_pickle_call(td_pickle *pickle, const td_value *callee, const td_
 tides_status td_pickle_build(td_pickle *pickle, const td_value *object, const td_value *state) {
     if (object->kind == TD_VALUE_DICT || object->kind == TD_VALUE_TENSOR) return TIDES_OK;
     if (object->kind != TD_PICKLE_DTYPE) return damaged(pickle, "it sets attributes of something that has none");
-    const char *order = td_value_text(td_value_item(state, 1)); /* (version, byte order, ...) */
+    const char *order = td_value_text(td_value_item(state, 1)); /* state is (version, byte order, ...) */
     if (order && (strcmp(order, "<") == 0 || strcmp(order, "|") == 0)) return TIDES_OK;
     return td_fail(pickle->error, TIDES_UNSUPPORTED, "%s: holds a numpy scalar that isn't little-endian", pickle->path);
 }

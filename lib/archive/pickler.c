@@ -1,5 +1,6 @@
-/* Pickles are programs for a small stack machine (Python's Lib/pickletools.py): each value is pushed, '(' marks where a
- * collection's items begin, and a letter takes them all. Arrays are calls: numpy.ndarray(shape, dtype, bytes). */
+/* Writes pickles, which are programs for a small stack machine (Python's Lib/pickletools.py). A program pushes values, '('
+ * marks where a collection's items begin, and an instruction of one letter takes them all. An array is a call:
+ * numpy.ndarray(shape, dtype, bytes). */
 #include "archive/td_pickler.h"
 
 #include "td_base.h"
@@ -19,7 +20,7 @@ static void put(td_pickler *p, const void *bytes, size_t size) {
 
 static void op(td_pickler *p, const char *letters) { put(p, letters, strlen(letters)); }
 
-/* A length or an integer, little-endian. */
+/* Writes a length or an integer, little-endian. */
 static void count(td_pickler *p, uint64_t value, int bytes) {
     unsigned char out[8];
     for (int i = 0; i < bytes; i++) out[i] = (unsigned char)(value >> 8 * i & 255);
@@ -47,7 +48,7 @@ void td_pickler_integer(td_pickler *p, int32_t value) {
     count(p, (uint32_t)value, 4);
 }
 
-/* Big-endian, alone among them. */
+/* Floats are big-endian, unlike all other numbers of a pickle. */
 void td_pickler_number(td_pickler *p, double value) {
     uint64_t bits;
     unsigned char out[9] = {'G'};

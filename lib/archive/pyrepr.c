@@ -1,5 +1,5 @@
-/* Python literals as text (cfg_args, headers of .npy), into a tree of values: a recursive descent over what repr() writes.
- * Nothing is executed: a name that isn't a literal's is an error. */
+/* Parses Python literals as repr() writes them (cfg_args files, .npy headers) into a tree of values, by recursive descent.
+ * Nothing is executed: a name that isn't part of a literal is an error. */
 #include "archive/td_pyrepr.h"
 #include "archive/td_tree.h"
 #include "td_base.h"
@@ -10,20 +10,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* No cfg_args is near a megabyte, and no number in it near 64 characters: more is another file. */
+/* A cfg_args file is far below a megabyte, and its numbers are far below 64 characters. */
 enum { FILE_BYTES_MAX = 1 << 20, NUMBER_MAX = 64 };
 
 typedef struct parser {
     const char *path, *start, *at, *end; /* a NUL follows `end` */
     td_tree *tree;
     int depth;
-    tides_status status; /* of what made a function return NULL */
+    tides_status status; /* of the failure, after a function returned NULL */
     tides_error *error;
 } parser;
 
 static td_value *parse_value(parser *p);
 
-/* Column counts from 1, as editors do; these files are one line. */
+/* Fails with the column, which counts from 1 as in editors. The files have one line only. */
 static td_value *refuse(parser *p, const char *what) {
     p->status = td_fail(p->error, TIDES_BAD_FILE, "%s: column %zu: %s, not '%.*s': this isn't what Python's repr() writes",
                         p->path, (size_t)(p->at - p->start) + 1, what, p->end - p->at > 16 ? 16 : (int)(p->end - p->at), p->at);
@@ -44,7 +44,7 @@ static void skip_space(parser *p) {
     while (p->at < p->end && (*p->at == ' ' || *p->at == '\n' || *p->at == '\r' || *p->at == '\t')) p->at++;
 }
 
-/* Moves past `c` where it comes next. */
+/* Skips `c` if it comes next; returns 1 if it did. */
 static int take(parser *p, char c) {
     skip_space(p);
     if (p->at == p->end || *p->at != c) return 0;
@@ -71,7 +71,7 @@ static int hex_digit(char c) {
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-/* The code point that `digits` hexadecimal digits at `at` give, or -1. */
+/* The code point written as `digits` hexadecimal digits at `at`, or -1. */
 static int64_t hex(const parser *p, const char *at, int digits) {
     int64_t value = 0;
     if (p->end - at < digits) return -1;
@@ -83,7 +83,7 @@ static int64_t hex(const parser *p, const char *at, int digits) {
     return value <= 0x10ffff ? value : -1;
 }
 
-/* Appends a code point as UTF-8: at most as many bytes as its escape had characters. */
+/* Writes a code point as UTF-8, in no more bytes than its escape had characters. */
 static size_t put_utf8(char *out, int64_t c) {
     size_t length = c < 0x80 ? 1 : c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
     static const unsigned char lead[5] = {0, 0, 0xc0, 0xe0, 0xf0};
@@ -92,13 +92,14 @@ static size_t put_utf8(char *out, int64_t c) {
     return length;
 }
 
-/* The escape after a backslash: what it stands for goes to `out`, and `p->at` past it; bytes written, 0 for no escape. */
+/* Decodes the escape behind a backslash into `out`, and moves `p->at` past it. Returns the bytes written, 0 if it is no
+ * escape. */
 static size_t read_escape(parser *p, char *out) {
     static const char names[] = "\\'\"nrtabfv0", meanings[] = "\\'\"\n\r\t\a\b\f\v";
     char c = p->at < p->end ? *p->at : 0;
     const char *name = c ? strchr(names, c) : NULL;
     if (name) {
-        *out = meanings[name - names]; /* the NUL ends `meanings` */
+        *out = meanings[name - names]; /* for \0 this is the NUL at the end of `meanings` */
         p->at++;
         return 1;
     }
@@ -112,7 +113,7 @@ static size_t read_escape(parser *p, char *out) {
 static td_value *parse_text(parser *p) {
     char quote = *p->at++;
     td_value *value = td_tree_text(p->tree, p->at, 0, p->error);
-    const char *stop = p->at; /* an upper bound of its length: the closing quote */
+    const char *stop = p->at; /* upper bound of the text's length */
     while (stop < p->end && *stop != quote) stop += *stop == '\\' && stop + 1 < p->end ? 2 : 1;
     char *out = value ? td_tree_alloc(p->tree, (size_t)(stop - p->at) + 1, p->error) : NULL;
     if (!out) return no_memory(p);
@@ -158,7 +159,7 @@ static td_value *parse_number(parser *p) {
                                       : td_tree_number(p->tree, number, p->error));
 }
 
-/* "inf" and "nan", which repr() writes for floats, with or without a minus. */
+/* Parses inf and nan, with or without a minus. */
 static td_value *parse_unusual(parser *p, size_t length) {
     int minus = *p->at == '-';
     double value = word_is(p->at + minus, 3, "inf") ? INFINITY : NAN;
@@ -168,7 +169,7 @@ static td_value *parse_unusual(parser *p, size_t length) {
 
 /* -- containers -- */
 
-/* Items up to `close`, each with `add`; a comma may stand before the end: `*comma` tells. */
+/* Parses items up to `close`, each by `add`. `*comma` is 1 if a comma precedes `close`. */
 static td_value *parse_items(parser *p, td_value *into, char close, tides_status (*add)(parser *p, td_value *into),
                              int *comma) {
     if (!into) return no_memory(p);
@@ -244,7 +245,7 @@ static td_value *parse_value(parser *p) {
     if (take(p, '{')) return parse_items(p, td_tree_value(p->tree, TD_VALUE_DICT, p->error), '}', add_pair, &comma);
     if (!take(p, '(')) return parse_number(p);
     td_value *tuple = parse_items(p, td_tree_value(p->tree, TD_VALUE_TUPLE, p->error), ')', add_item, &comma);
-    /* (3) is 3 in brackets; a tuple of one needs its comma. */
+    /* (3) is 3 in brackets; a tuple of one item needs a comma. */
     return tuple && tuple->count == 1 && !comma ? tuple->as.items[0] : tuple;
 }
 
@@ -260,7 +261,7 @@ static td_value *parse_in_c_locale(parser *p) {
 tides_status td_pyrepr_parse(const char *path, const char *text, size_t size, td_tree **tree, tides_error *error) {
     parser p = {.path = path, .error = error};
     if (!(p.tree = td_tree_create(error))) return TIDES_NO_MEMORY;
-    td_value *copy = td_tree_text(p.tree, text, size, error); /* so that a NUL follows: numbers are read by strtod */
+    td_value *copy = td_tree_text(p.tree, text, size, error); /* copied so that a NUL follows, at which strtod stops */
     if (copy) p.start = p.at = copy->as.text;
     if (copy) p.end = p.start + size;
     td_value *root = copy ? parse_in_c_locale(&p) : no_memory(&p);

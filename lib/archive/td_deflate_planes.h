@@ -1,13 +1,13 @@
-/* Internal: bytes that lie in planes, as those of numbers do that HDF5 has shuffled, as a stream of zlib's. */
+/* Internal: deflates planes of bytes (byte k of all values is plane k, as in HDF5's shuffle) into a zlib stream. */
 #ifndef TD_DEFLATE_PLANES_H
 #define TD_DEFLATE_PLANES_H
 
 #include <stddef.h>
 
-enum { TD_DEFLATE_PLANES = 8 }; /* at most */
+enum { TD_DEFLATE_PLANES = 8 };
 
-/* `planes` planes of `count` bytes each, count > 0, packed into `to`; the packed bytes' number, or 0 where `room` isn't enough
- * or memory isn't. */
+/* Packs `planes` <= TD_DEFLATE_PLANES planes of `count` > 0 bytes each into `to`. Returns the number of packed bytes; 0 if
+ * `room` is too small or memory is short. */
 size_t td_deflate_planes(const unsigned char *bytes, size_t count, size_t planes, unsigned char *to, size_t room);
 
 #endif

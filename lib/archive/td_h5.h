@@ -1,5 +1,5 @@
-/* Internal: HDF5 for everyone who reads or writes files of it: without noise, with reasons, and with every handle closed.
- * Groups with messages that say where are td_h5_place.h's; how files are opened is td_h5_driver.h's. */
+/* Internal: helpers for HDF5 files: silenced error output, reasons of failures, attributes, datasets of rows, closing
+ * handles. */
 #ifndef TD_H5_H
 #define TD_H5_H
 
@@ -7,8 +7,8 @@
 
 #include <hdf5.h>
 
-/* HDF5 prints its error stack unless told otherwise, and the setting is the process's (or thread's): it is switched off for the
- * length of one call of ours and put back, because the program around us may use HDF5 too. The stack itself stays readable. */
+/* HDF5 prints its error stack by default, and the setting is the process's (or thread's). It is switched off during one call
+ * of ours and then restored, because the program around us may use HDF5, too. The stack can still be read. */
 typedef struct td_h5_quiet {
     H5E_auto2_t function;
     void *data;
@@ -17,22 +17,22 @@ typedef struct td_h5_quiet {
 void td_h5_quiet_begin(td_h5_quiet *saved);
 void td_h5_quiet_end(const td_h5_quiet *saved);
 
-/* Why the last HDF5 call failed, in HDF5's or the system's own words; to be asked before any other HDF5 call. */
+/* Why the last HDF5 call failed, in HDF5's or the system's words. Ask before any other HDF5 call, which would clear it. */
 typedef struct td_h5_reason {
     char text[400];
 } td_h5_reason;
 const char *td_h5_reason_text(td_h5_reason *reason);
 
-/* Metadata of a file being written may leave the cache only when we flush. Its growth is a few kilobytes per million events. */
+/* Keeps metadata of a file being written in the cache until we flush. The cache grows by a few kilobytes per million events. */
 herr_t td_h5_forbid_evictions(hid_t file);
 
-/* Attributes of a file, group or dataset. Texts are written with fixed length, because damage to one of variable length is
- * what HDF5 can't stand (td_h5_text.h); one that is too long for an attribute becomes a scalar dataset of the same name.
- * Prophesee's readers want variable length: _free_text. All return negative on failure; readers return 0 where the attribute
- * is absent (or of another kind) and 1 where it was read; td_h5_text NULL, or the text, freed by the caller. */
+/* Attributes of a file, group or dataset. Texts have fixed length: HDF5 may crash on damaged ones of variable length. Only
+ * _free_text writes these, because Prophesee's readers need them. A text too long for an attribute becomes a scalar dataset
+ * of this name. Negative on failure. Readers return 1, or 0 if the attribute is absent or of another kind. td_h5_text returns
+ * the text, which the caller frees, or NULL. */
 enum {
-    TD_H5_ATTRIBUTE_MAX = 60000, /* bytes: an object header's message ends at 65 535 */
-    TD_H5_TEXT_MAX = 1 << 24     /* no text in a file is longer; guards the memory that a damaged one could ask for */
+    TD_H5_ATTRIBUTE_MAX = 60000, /* bytes: a message in an object header has 65 535 at most */
+    TD_H5_TEXT_MAX = 1 << 24     /* longest text that is read: a damaged file can't exhaust the memory */
 };
 herr_t td_h5_write_text(hid_t file, const char *name, const char *text);
 herr_t td_h5_write_free_text(hid_t file, const char *name, const char *text);
@@ -43,30 +43,31 @@ herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value);
 int td_h5_read_text(hid_t file, const char *name, char *text, size_t size);
 int td_h5_read_int(hid_t file, const char *name, int64_t *value);
 
-/* Fails where the dataset needs a filter whose plugin is missing (the error names the remedy) or that isn't to be trusted, or
- * has chunks of more than a GiB. */
+/* Fails if the dataset needs a filter whose plugin is missing (the error says how to get it) or that is unsafe, or if its
+ * chunks exceed 1 GiB. */
 tides_status td_h5_check_filters(const char *path, const char *name, hid_t dataset, tides_error *error);
 
-/* Closes a dataset, attribute, space, type ... by what it is; negative ids are fine. Keeps the error stack, which HDF5 would
- * clear, so that cleaning up doesn't lose the reason. */
+/* Closes a handle of any type; negative ids are allowed. It preserves the error stack, which HDF5 would clear, so that
+ * cleaning up doesn't lose the reason of a failure. */
 void td_h5_close(hid_t id);
 
-/* Datasets of one dimension that grow: in chunks of `chunk` rows, shuffled and deflated at level 1, which is as small as Blosc
- * here and needs no plugin. Without the times of creation, the same values make the same bytes. Negative on failure. */
+/* Makes a one-dimensional dataset that grows: chunks of `chunk` rows, shuffled and deflated at level 1. On events that is as
+ * small as Blosc, and needs no plugin. No times of creation are stored, so the same values give the same bytes. Negative on
+ * failure. */
 hid_t td_h5_create_rows(hid_t file, const char *name, hid_t type, hsize_t chunk);
 
-/* Rows [first, first + count) of a dataset of one dimension, whose values are of `type` in memory. _append makes the dataset
- * end with them. */
+/* Reads or writes rows [first, first + count) of a one-dimensional dataset; `type` is the type of `values`. td_h5_append_rows
+ * makes the dataset end with these rows. */
 herr_t td_h5_append_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values);
 herr_t td_h5_read_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, void *values);
 
-/* _append_rows, of whole chunks of a dataset of integers that td_h5_create_rows has made with `type`'s size and the lowest byte
- * first: packed smaller in a quarter of the time (h5_chunk.c). `scratch` has TD_H5_CHUNK_ROOM of the values' bytes. */
+/* Appends whole chunks of integers, packed smaller and in a quarter of the time of td_h5_append_rows. The dataset is from
+ * td_h5_create_rows, with `type`'s size, little-endian. `scratch` has TD_H5_CHUNK_ROOM(bytes of the values) bytes. */
 herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values, void *scratch);
-#define TD_H5_CHUNK_ROOM(bytes) (2 * (bytes) + (bytes) / 64 + 1024) /* deflate may add 5 bytes per 16 kB, and a few */
+#define TD_H5_CHUNK_ROOM(bytes) (2 * (bytes) + (bytes) / 64 + 1024) /* deflate adds at most 5 bytes per 16 kB, and a few */
 
-/* All values of a dataset, packed in the same way: of `extent` (the second 0: one dimension), of `size` bytes each, in chunks
- * of `rows` whole rows, shuffled and deflated. Negative where there was no memory, too. */
+/* Writes all values of a dataset in such chunks of `rows` rows, packed the same way. `extent[1]` = 0: one dimension. `size`:
+ * bytes of a value. Negative on failure, also if memory is short. */
 herr_t td_h5_write_chunks(hid_t dataset, const hsize_t extent[2], hsize_t rows, size_t size, const void *values);
 
 #endif

@@ -1,6 +1,6 @@
-/* Internal: parts of HDF5 files looked at before HDF5 (1.10.8) sees them, because it takes their numbers at their word: the
- * driver (td_h5_driver.h) asks for what it reads as a local heap, a tree or an object header. Everything else HDF5 checks
- * itself, or damage to it was never seen to matter (tests/property/test_hdf5_mutations.c). */
+/* Internal: checks parts of an HDF5 file before HDF5 (1.10.8) reads them, because HDF5 trusts the numbers in them. The file
+ * driver calls these for each local heap, tree or object header. HDF5 checks the other parts itself, or damage to them did no
+ * harm (tests/property/test_hdf5_mutations.c). */
 #ifndef TD_H5_CHECK_H
 #define TD_H5_CHECK_H
 
@@ -10,10 +10,10 @@
 /* A file on the disk. */
 typedef struct td_h5_disk {
     int descriptor;
-    uint64_t size, base; /* [bytes]; where addresses count from */
+    uint64_t size, base; /* [bytes]; address 0 is at byte `base` */
 } td_h5_disk;
 
-/* Finds the superblock, and with it `base`. 0: none, or its addresses or lengths don't have the 64 bits that all have. */
+/* Finds the superblock, and `base`. 0: there is none, or its addresses or lengths don't have 64 bits. */
 int td_h5_check_superblock(td_h5_disk *disk);
 
 /* `bytes` were read at `at` as a local heap or as a node of a B-tree. 0: damaged. */

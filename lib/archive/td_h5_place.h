@@ -1,8 +1,8 @@
-/* Internal: a place in an HDF5 file (scenes, checkpoints), the root or a group, and what is read and written there: attributes
- * and whole datasets, each with one status and one clear message.
+/* Internal: a place in an HDF5 file, the root or a group (scenes, checkpoints). Attributes and whole datasets are read and
+ * written there, and each error names the file and the place.
  *
- * HDF5 prints a stack of messages on stderr for each failure unless that is switched off: the entry points of those who use
- * this do so (H5E_BEGIN_TRY) around everything that happens here. */
+ * HDF5 prints its error stack on stderr for each failure. Callers switch that off (H5E_BEGIN_TRY) around all use of these
+ * functions. */
 #ifndef TD_H5_PLACE_H
 #define TD_H5_PLACE_H
 
@@ -10,7 +10,7 @@
 
 #include <hdf5.h>
 
-/* An open file or group, and what messages call it. */
+/* An open file or group, and its name in messages. */
 typedef struct td_place {
     hid_t id;
     const char *file; /* the path */
@@ -22,8 +22,8 @@ typedef struct td_place {
 tides_status td_place_open(const td_place *parent, const char *name, td_place *place);
 tides_status td_place_create(const td_place *parent, const char *name, td_place *place);
 
-/* How many links (or attributes) there are, and the name of number i in alphabetical order; names that don't fit in `size`
- * bytes with their NUL are TIDES_BAD_FILE. */
+/* The number of links (or attributes), and the name of the i-th in alphabetical order. A name that doesn't fit in `size`
+ * bytes, with its NUL, is TIDES_BAD_FILE. */
 size_t td_place_links(const td_place *place);
 size_t td_place_attributes(const td_place *place);
 tides_status td_place_link_name(const td_place *place, size_t i, char *name, size_t size);
@@ -32,10 +32,10 @@ tides_status td_place_attribute_name(const td_place *place, size_t i, char *name
 /* The rank of a dataset of floating-point numbers, 1 to TD_PLACE_RANK_MAX; TIDES_BAD_FILE for anything else. */
 tides_status td_place_rank(const td_place *place, const char *name, int *rank);
 
-/* 1 where a link of this name exists. */
+/* 1 if a link of this name exists. */
 int td_place_has(const td_place *place, const char *name);
 
-/* Attributes: one number, or one text (UTF-8, allocated on reading; a dataset where it is long: td_h5.h). */
+/* Attributes: one number, or one text (UTF-8, allocated on reading). A text of more than 60 000 bytes is a dataset. */
 tides_status td_place_read_int(const td_place *place, const char *name, int32_t *value);
 tides_status td_place_read_double(const td_place *place, const char *name, double *value);
 tides_status td_place_read_text(const td_place *place, const char *name, char **text);
@@ -43,21 +43,21 @@ tides_status td_place_write_int(const td_place *place, const char *name, int32_t
 tides_status td_place_write_double(const td_place *place, const char *name, double value);
 tides_status td_place_write_text(const td_place *place, const char *name, const char *text);
 
-/* As many dimensions as a field of a motion has (td_motion.h). */
+/* The largest number of dimensions of an array in a scene file. */
 enum { TD_PLACE_RANK_MAX = 4 };
 
-/* The shape of a dataset of floating-point numbers; TIDES_BAD_FILE where its rank isn't `rank`, it holds another kind of
- * values, or it claims more of them than a file of this size can hold. */
+/* The shape of a dataset of floating-point numbers. TIDES_BAD_FILE if its rank isn't `rank`, if it holds other values, or if
+ * it claims more values than a file of this size can hold. */
 tides_status td_place_shape(const td_place *place, const char *name, int rank, uint64_t shape[TD_PLACE_RANK_MAX]);
 
-/* 1 where a dataset's numbers are wider than single precision. */
+/* 1 if a dataset's numbers are wider than single precision. */
 int td_place_is_wide(const td_place *place, const char *name);
 
-/* All of a dataset, converted to `memory_type` (H5T_NATIVE_FLOAT, H5T_NATIVE_DOUBLE); ask for the shape first. */
+/* Reads a whole dataset, converted to `memory_type` (H5T_NATIVE_FLOAT, H5T_NATIVE_DOUBLE). td_place_shape gives its size. */
 tides_status td_place_read(const td_place *place, const char *name, hid_t memory_type, void *values);
 
-/* A new dataset: `file_type` as stored, `memory_type` as given. Contiguous, since trained values hardly compress. The file is
- * built in memory, so failures to write are TIDES_NO_MEMORY. */
+/* Writes a new dataset, stored as `file_type`; `values` are of `memory_type`. It is contiguous, since trained values hardly
+ * compress. The file is built in memory, so a failure is TIDES_NO_MEMORY. */
 tides_status td_place_write(const td_place *place, const char *name, hid_t file_type, hid_t memory_type, int rank,
                             const uint64_t *shape, const void *values);
 

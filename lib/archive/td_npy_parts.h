@@ -1,5 +1,4 @@
-/* Internal: declarations that the two files of the numpy reader share: npy.c reads an array's header and elements, npy_dtype.c
- * its type. */
+/* Internal: declarations shared by the parser of an .npy (header and elements) and the parser of its dtype. */
 #ifndef TD_NPY_PARTS_H
 #define TD_NPY_PARTS_H
 
@@ -10,10 +9,10 @@
  * messages ("FILE: array t"). `*swap`: some field is big-endian (npy_dtype.c). */
 tides_status td_npy_read_dtype(const char *what, const td_value *descr, td_npy_array *array, int *swap, tides_error *error);
 
-/* Reverses the bytes of every big-endian field of `count` elements, as the dtype says, and makes the dtype little-endian. */
+/* Reverses the bytes of each big-endian field of all elements, and makes the dtype little-endian. */
 void td_npy_swap(td_npy_array *array, const td_value *descr, unsigned char *elements);
 
-/* One .npy: `*owned` gets what the caller frees (npy.c). */
+/* Parses one .npy. `*owned`: memory that the caller frees. */
 tides_status td_npy_parse(const char *what, const unsigned char *npy, size_t size, td_npy_array *array, void **owned,
                           tides_error *error);
 

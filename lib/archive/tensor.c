@@ -1,5 +1,5 @@
-/* Tensors of torch files: views of storages with strides, copied out in C order as float or double, shapes and values
- * checked. The archive around them is torch.c's. */
+/* Reads tensors of torch files, which are views of storages with strides: copies them in C order as float or double, and
+ * checks shapes and values. */
 #include "archive/td_numbers.h"
 #include "archive/td_tree.h"
 #include "td_base.h"
@@ -33,7 +33,7 @@ static double load(const td_tensor *t, int64_t number) {
     }
 }
 
-/* Number in the storage of the element that is `index`-th in C order. */
+/* Index in the storage of the `index`-th element in C order. */
 static int64_t place(const td_tensor *t, int64_t index) {
     int64_t number = t->offset;
     for (int d = t->ndim; d-- > 0; index /= t->shape[d]) number += index % t->shape[d] * t->stride[d];
@@ -56,7 +56,7 @@ static float to_float(double value) {
 tides_status td_tensor_floats(const td_tensor *tensor, float **values, tides_error *error) {
     float *made = td_alloc((size_t)tensor->count, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
-    int contiguous = is_contiguous(tensor); /* spares most tensors the divisions */
+    int contiguous = is_contiguous(tensor); /* the common case, without the divisions of place() */
     for (int64_t i = 0; i < tensor->count; i++)
         made[i] = to_float(load(tensor, contiguous ? tensor->offset + i : place(tensor, i)));
     *values = made;

@@ -1,4 +1,4 @@
-/* torch.save's ZIP archive: STEM/data.pkl, and one member STEM/data/KEY per storage. */
+/* Opens the ZIP archive of torch.save: STEM/data.pkl is the pickle, and STEM/data/KEY is the data of storage KEY. */
 #include "archive/td_pickle.h"
 #include "archive/td_pickle_parts.h"
 #include "td_base.h"
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A storage's bytes, once read. */
+/* The bytes of a storage, once read. */
 typedef struct payload {
     const unsigned char *data;
 } payload;
@@ -15,7 +15,7 @@ struct td_torch {
     td_zip zip;
     size_t stem; /* length of "STEM/" in the name of data.pkl */
     const td_zip_member *pickle;
-    payload *payloads; /* one per member */
+    payload *payloads; /* one per member of the archive */
 };
 
 static tides_status read_member(td_torch *torch, td_tree *tree, const td_zip_member *member, const unsigned char **data,
@@ -34,7 +34,7 @@ static tides_status read_member(td_torch *torch, td_tree *tree, const td_zip_mem
     return TIDES_OK;
 }
 
-/* STEM/name; NULL where there is none. */
+/* Finds STEM/FOLDER/NAME; `*member` is NULL if there is none. */
 static tides_status find_member(const td_torch *torch, const char *folder, const char *name, const td_zip_member **member,
                                 tides_error *error) {
     char *full = td_format(error, "%.*s%s%s", (int)torch->stem, torch->pickle->name, folder, name);
@@ -74,7 +74,7 @@ static tides_status find_storage(td_pickle *pickle, const td_value *id, td_value
     return status;
 }
 
-/* Newer files say which byte order their storages have. */
+/* Fails if the archive has a byte order (newer torch) and it isn't little-endian. */
 static tides_status check_order(td_torch *torch, td_tree *tree, tides_error *error) {
     const td_zip_member *member = NULL;
     const unsigned char *text = NULL;
@@ -118,7 +118,7 @@ static tides_status run(td_torch *torch, td_tree *tree, tides_error *error) {
 
 static tides_status check_archive(const char *path, const unsigned char *bytes, size_t size, tides_error *error) {
     if (td_zip_is(bytes, size)) return TIDES_OK;
-    /* A pickle of protocol 2 that starts with a long of ten bytes: torch's old magic number. */
+    /* Before torch 1.6 a file was a bare pickle that begins with a magic number, a long of ten bytes. */
     if (size >= 4 && memcmp(bytes, "\x80\x02\x8a\x0a", 4) == 0)
         return td_fail(error, TIDES_UNSUPPORTED,
                        "%s: was written in the form from before torch 1.6: load it with torch and save "
@@ -151,7 +151,7 @@ tides_status td_torch_open(const char *path, td_tree **tree, tides_error *error)
     td_tree *made = NULL;
     tides_status status = td_read_file(path, SIZE_MAX - 1, &bytes, &size, error);
     if (!status) status = td_torch_parse(path, bytes, size, &made, error);
-    if (!status) status = td_tree_adopt(made, bytes, error); /* tensors point into it */
+    if (!status) status = td_tree_adopt(made, bytes, error); /* tensors point into these bytes */
     if (!status) {
         *tree = made;
         return TIDES_OK;

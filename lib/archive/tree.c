@@ -1,17 +1,17 @@
-/* Trees of values for the readers of pickles and of Python literals: memory in blocks that are freed together, and the check
- * that what was built is a tree (a pickle may hold circles). */
+/* Memory for trees of values, in blocks that are freed together, and the check that a built tree has no circle, as a damaged
+ * pickle may. */
 #include "archive/td_tree.h"
 #include "td_base.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Blocks of many values, so that a checkpoint of thousands costs few allocations; 16 bytes suit every type. */
+/* Blocks hold many values, so that a checkpoint of thousands needs few allocations. 16 bytes align every type. */
 enum { BLOCK_BYTES = 16384, ALIGNMENT = 16 };
 
 struct td_tree {
     td_value *root;
-    void **owned; /* blocks, and what was adopted */
+    void **owned; /* blocks, and memory adopted from callers */
     size_t count, capacity;
     unsigned char *next; /* free part of the newest block */
     size_t left;
@@ -40,7 +40,7 @@ tides_status td_tree_adopt(td_tree *tree, void *memory, tides_error *error) {
 }
 
 void *td_tree_alloc(td_tree *tree, size_t bytes, tides_error *error) {
-    if (bytes > SIZE_MAX - ALIGNMENT) bytes = SIZE_MAX - ALIGNMENT; /* which nobody has */
+    if (bytes > SIZE_MAX - ALIGNMENT) bytes = SIZE_MAX - ALIGNMENT; /* more than any machine has, and safe to round up */
     bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     if (bytes > tree->left) {
         size_t block = bytes > BLOCK_BYTES ? bytes : BLOCK_BYTES;
@@ -87,7 +87,7 @@ td_value *td_tree_text(td_tree *tree, const char *text, size_t bytes, tides_erro
     return value;
 }
 
-/* Room for one more entry of `width` items. The room always is the next power of two of the entries. */
+/* Makes room for one more entry of `width` items. The room is always the next power of two of the entries. */
 static tides_status make_room(td_tree *tree, td_value *value, size_t width, tides_error *error) {
     size_t count = value->count;
     if (count & (count - 1)) return TIDES_OK;
@@ -114,12 +114,12 @@ tides_status td_tree_put(td_tree *tree, td_value *dict, td_value *key, td_value 
     return TIDES_OK;
 }
 
-/* A value's mark: whether it is being entered, or else 1 more than the levels that were found below it. */
+/* State of a value in the check: not entered yet, being entered, or else the number of levels below it plus 1. */
 enum { UNSEEN = 0, OPEN = -1 };
 
 static int levels_below(const td_value *value) { return value->mark - 1; }
 
-/* Each value is entered once, however often it is shared; its depth is looked at wherever it stands. */
+/* Enters each value once, however often it is shared, and checks its depth wherever it stands. */
 static tides_status check(const char *path, td_value *value, int depth, tides_error *error) {
     if (value->mark == OPEN)
         return td_fail(error, TIDES_BAD_FILE, "%s: a %s in it contains itself, which no trainer writes", path,

@@ -1,4 +1,4 @@
-/* LZ4 frames and Zstandard, as AEDAT 4 packets use them. Both libraries compare the checksums that a frame has. */
+/* Unpacks LZ4 and Zstandard frames, the compressions of AEDAT 4 packets. Both libraries verify a frame's checksum. */
 #include "td_aedat4_parts.h"
 
 #include "td_base.h"
@@ -6,10 +6,10 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
-/* Bytes by which the output grows: four of the smallest blocks of LZ4, one of Zstandard's and more. */
+/* Bytes by which the output grows: four of LZ4's smallest blocks, or more than one of Zstandard's. */
 enum { PIECE = 1 << 18 };
 
-/* Room behind what was made: a piece, or up to `most`. */
+/* Makes room behind the first `got` bytes: PIECE more, but at most `most` in all. */
 static tides_status make_room(unsigned char **out, size_t *capacity, size_t got, size_t most, size_t *room,
                               tides_error *error) {
     *room = most - got < PIECE ? most - got : PIECE;

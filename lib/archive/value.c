@@ -1,5 +1,5 @@
-/* Looking things up in the trees of values that pickles and Python literals become, for the readers of trained models: a key's
- * value, an item, a number. A value that is missing or of another kind is NULL or 0; the reader decides what that means. */
+/* Look-ups in trees of values read from pickles and Python literals: a key's value, an item, a number. A value that is
+ * missing or of another kind gives NULL or 0; the caller decides whether that is an error. */
 #include "archive/td_value.h"
 
 #include <string.h>

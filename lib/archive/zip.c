@@ -9,13 +9,14 @@
 #include <zlib.h>
 
 enum { END_BYTES = 22, CENTRAL_BYTES = 46, LOCAL_BYTES = 30, COMMENT_MAX = 65535 };
-enum { WIDE_EXTRA = 1, WIDE_END_BYTES = 56, LOCATOR_BYTES = 20 }; /* ZIP64's */
+enum { WIDE_EXTRA = 1, WIDE_END_BYTES = 56, LOCATOR_BYTES = 20 }; /* sizes of ZIP64's parts */
 
 int td_zip_is(const void *bytes, size_t size) {
     return size >= 4 && (memcmp(bytes, "PK\3\4", 4) == 0 || memcmp(bytes, "PK\5\6", 4) == 0);
 }
 
-/* Position of the end-of-central-directory record, or `size`: it is searched backwards, since a comment may follow it. */
+/* Position of the end-of-central-directory record, or `size`. The search goes backwards, since a comment of any length may
+ * follow it. */
 static size_t find_end(const unsigned char *bytes, size_t size) {
     size_t lowest = size > END_BYTES + COMMENT_MAX ? size - END_BYTES - COMMENT_MAX : 0;
     for (size_t at = size < END_BYTES ? 0 : size - END_BYTES + 1; at-- > lowest;)
@@ -23,8 +24,8 @@ static size_t find_end(const unsigned char *bytes, size_t size) {
     return size;
 }
 
-/* A 32-bit field full of ones says that the truth is in the extra field of ZIP64: size, packed, offset, those of them that are
- * so, in this order. 0 where it isn't there. */
+/* A 32-bit field of all ones means that its value is in ZIP64's extra field. That holds those of size, packed and offset that
+ * are all ones, in this order. 0 if the extra field is missing. */
 static int widen(const unsigned char *extra, size_t bytes, uint64_t *const wide[3]) {
     if (*wide[0] != UINT32_MAX && *wide[1] != UINT32_MAX && *wide[2] != UINT32_MAX) return 1;
     for (size_t at = 0; bytes - at >= 4;) {
@@ -59,7 +60,7 @@ static tides_status check_member(const td_zip *zip, const td_zip_member *m, unsi
     return TIDES_OK;
 }
 
-/* One central directory record at `*at`, which moves past it; `end` is where the directory must have ended. */
+/* Reads the central directory record at `*at` and moves `*at` past it; the directory ends at `end`. */
 static tides_status read_central(const td_zip *zip, size_t end, size_t *at, td_zip_member *member, tides_error *error) {
     const unsigned char *p = zip->bytes + *at;
     size_t left = end - *at;
@@ -89,7 +90,7 @@ static tides_status read_directory(td_zip *zip, size_t end, size_t at, tides_err
     for (size_t i = 0; i < zip->count; i++) {
         tides_status status = read_central(zip, end, &at, &zip->members[i], error);
         if (status) return status;
-        packed += zip->members[i].packed; /* each at most the archive's size, so that this can't overflow */
+        packed += zip->members[i].packed; /* no overflow: each was checked against the archive's size */
         if (packed > zip->size)
             return td_fail(error, TIDES_BAD_FILE,
                            "%s: its members together claim more bytes than the archive's %zu: they overlap", zip->path,
@@ -108,12 +109,12 @@ static void sort_names(td_zip *zip) {
     qsort(zip->by_name, zip->count, sizeof *zip->by_name, compare_names);
 }
 
-/* Where the directory begins, where it must have ended, and how many entries it has. */
+/* Where the directory begins and must end, and its number of entries. */
 typedef struct directory {
     uint64_t start, end, count;
 } directory;
 
-/* From ZIP64's end record, which a locator before the plain one at `end` points to; 0 where there is none. */
+/* Reads ZIP64's end record, which a locator before the plain record at `end` points to; 0 if there is none. */
 static int find_wide_end(const td_zip *zip, size_t end, directory *found) {
     if (end < LOCATOR_BYTES + WIDE_END_BYTES) return 0;
     const size_t locator = end - LOCATOR_BYTES;
@@ -121,7 +122,7 @@ static int find_wide_end(const td_zip *zip, size_t end, directory *found) {
     const uint64_t at = td_le64(zip->bytes + locator + 8);
     if (at > locator - WIDE_END_BYTES || memcmp(zip->bytes + at, "PK\6\6", 4) != 0) return 0;
     const unsigned char *p = zip->bytes + at;
-    if (td_le64(p + 24) != td_le64(p + 32)) return 0; /* entries on this disk, in all */
+    if (td_le64(p + 24) != td_le64(p + 32)) return 0; /* entries on this disk differ from all entries */
     *found = (directory){.start = td_le64(p + 48), .end = at, .count = td_le64(p + 32)};
     return 1;
 }
@@ -133,8 +134,8 @@ static tides_status find_directory(const td_zip *zip, directory *found, tides_er
                        zip->path);
     const unsigned char *p = zip->bytes + end;
     *found = (directory){.start = td_le32(p + 16), .end = end, .count = td_le16(p + 10)};
-    /* Torch adds ZIP64's end records to every archive; only ones here say that they are needed. Without them they are numbers:
-     * an archive may have 65535 members. */
+    /* Torch adds ZIP64's end records to every archive. They are needed only if a field of the plain record is all ones. If
+     * there are none, all ones are a plain number: an archive may have 65535 members. */
     const int wide = found->count == UINT16_MAX || found->start == UINT32_MAX || td_le32(p + 12) == UINT32_MAX;
     if (!(wide && find_wide_end(zip, end, found)) && td_le16(p + 8) != found->count)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: is one part of a ZIP archive in several, which isn't read", zip->path);
@@ -182,10 +183,10 @@ const td_zip_member *td_zip_find(const td_zip *zip, const char *name) {
     return NULL;
 }
 
-/* As much of `left` as zlib's 32-bit counters hold. */
+/* The part of `left` that fits into zlib's 32-bit counters. */
 static uInt piece_of(size_t left) { return left < UINT32_MAX ? (uInt)left : UINT32_MAX; }
 
-/* Raw deflate, the whole member at once; 0 where it gives exactly `size` bytes. */
+/* Inflates a whole member (raw deflate); 0 if it gives exactly `size` bytes. */
 static int inflate_into(const unsigned char *packed, size_t packed_bytes, unsigned char *data, size_t size) {
     z_stream stream = {0};
     if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) return -1;
@@ -193,7 +194,7 @@ static int inflate_into(const unsigned char *packed, size_t packed_bytes, unsign
     memcpy(&stream.next_in, &packed, sizeof packed);
     stream.next_out = data;
     int result = Z_OK;
-    while (result == Z_OK) { /* Z_BUF_ERROR where nothing is left */
+    while (result == Z_OK) { /* ends with Z_BUF_ERROR if the input ends too soon */
         const size_t read = (size_t)(stream.next_in - packed), written = (size_t)(stream.next_out - data);
         stream.avail_in = piece_of(packed_bytes - read);
         stream.avail_out = piece_of(size - written);
@@ -204,8 +205,8 @@ static int inflate_into(const unsigned char *packed, size_t packed_bytes, unsign
     return result == Z_STREAM_END && written == size ? 0 : -1;
 }
 
-/* Where the member's bytes start; 0 where they aren't all in the archive. The local header has its own extra field (numpy and
- * torch pad with it), so only its lengths say. */
+/* Position of the member's bytes; 0 if they aren't all in the archive. It follows from lengths in the local header, whose
+ * extra field may differ from the central directory's: numpy and torch pad with it. */
 static size_t data_start(const td_zip *zip, const td_zip_member *member) {
     if (member->offset > zip->size || zip->size - member->offset < LOCAL_BYTES) return 0;
     const unsigned char *local = zip->bytes + member->offset;

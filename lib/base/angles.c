@@ -1,15 +1,16 @@
-/* The functions of td_math.h that have to do with angles: sines, angles of points, lengths. */
+/* Sine, cosine, tangent, arc functions and hypot, from basic operations only. C libraries differ in the last bits of these,
+ * and event times must not. */
 #include "td_math.h"
 #include "td_two.h"
 
 #include <math.h>
 #include <stdint.h>
 
-/* pi/2 and pi, and what they are more. */
+/* pi/2 and pi: each as the nearest double and the rest. */
 static const td_two quarter = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
 static const td_two half_turn = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 
-/* An angle is so many quarter turns, modulo 4, and the rest, from -pi/4 to pi/4. */
+/* An angle, split into a whole number of quarter turns (modulo 4) and a rest from -pi/4 to pi/4. */
 typedef struct folded {
     unsigned quarters;
     td_two rest;
@@ -19,7 +20,7 @@ typedef struct folded {
 
 enum { WORDS = 7, LIMBS = WORDS + 2 };
 
-/* Bits of 2/pi behind the point. */
+/* The bits of 2/pi behind the binary point. */
 static const uint32_t two_per_pi[] = {0xa2f9836e, 0x4e441529, 0xfc2757d1, 0xf534ddc0, 0xdb629599, 0x3c439041, 0xfe5163ab,
                                       0xdebbc561, 0xb7246e3a, 0x424dd2e0, 0x06492eea, 0x09d1921c, 0xfe1deb1c, 0xb129a73e,
                                       0xe88235f5, 0x2ebb4484, 0xe99c7026, 0xb45f7e41, 0x3991d639, 0x835339f4, 0x9c845f8b,
@@ -42,13 +43,14 @@ static void multiply(uint64_t m, const uint32_t *words, uint32_t product[LIMBS])
     }
 }
 
-/* 32 bits of it from bit `at` on; bits below 0 are 0. */
+/* 32 bits of the product, from bit `at` on; bits below 0 are 0. */
 static uint32_t bits_from(const uint32_t product[LIMBS], int at) {
     const uint64_t low = product[at / 32], high = at / 32 + 1 < LIMBS ? product[at / 32 + 1] : 0;
     return (uint32_t)((high << 32 | low) >> (at % 32));
 }
 
-/* x = m 2^e, of which the words before `first` make whole turns; 119 bits behind the point are right. */
+/* Reduces a large x = m 2^e. Words of 2/pi before `first` make whole turns and are left out; 119 bits behind the point are
+ * right. */
 static folded fold_large(double x) {
     enum { DIGITS = 4 }; /* of 32 bits each */
     int e;
@@ -108,7 +110,7 @@ static double cosine_of(td_two r) {
     return line + (((1 - line) - half) + (z * z * sum - r.high * r.low));
 }
 
-/* The sine of so many quarters and a rest. */
+/* The sine of `quarters` quarter turns plus `rest`. */
 static double sine_at(unsigned quarters, td_two rest) {
     const double size = quarters & 1 ? cosine_of(rest) : sine_of(rest);
     return quarters & 2 ? -size : size;
@@ -142,8 +144,8 @@ static const td_two atan_of[ATANS] = {{0, 0},
                                       {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
                                       {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
 
-/* The angle of (x, y), 0 <= y <= x, x > 0: from the nearest of those, c, the tangent is (y - c x) / (x + c y), below 1/16; the
- * first term left out is below 1e-18. */
+/* The angle of (x, y), 0 <= y <= x, x > 0. With c, the nearest of the tabled tangents i/8, the tangent of the remaining
+ * angle is (y - c x) / (x + c y), below 1/16. The first term left out of its series is below 1e-18. */
 static double small_angle(double y, double x) {
     const double scale = x > 0x1p1000 ? 0x1p-60 : x < 0x1p-900 ? 0x1p60 : 1;
     y *= scale;

@@ -33,7 +33,7 @@ const char *tides_status_text(tides_status status) {
 
 const char *tides_version(void) { return TD_VERSION_TEXT(TIDES_VERSION_MAJOR, TIDES_VERSION_MINOR, TIDES_VERSION_PATCH); }
 
-/* Names from outside may hold anything; an error stays one line of printable text. */
+/* Names from files may hold control characters: these are replaced, so that an error stays one line of printable text. */
 static void one_line(char *text) {
     for (; *text; text++)
         if ((unsigned char)*text < 0x20 || *text == 0x7f) *text = '?';
@@ -61,7 +61,7 @@ tides_status td_fail_within(tides_error *error, tides_status status, const char 
     va_end(arguments);
     if (length < 0 || (size_t)length + 2 >= sizeof error->text) return status;
     char *end = error->text + length;
-    size_t room = sizeof error->text - (size_t)length - 3, wanted = strlen(inner); /* ": " and the terminator */
+    size_t room = sizeof error->text - (size_t)length - 3, wanted = strlen(inner); /* room for ": " and the terminator */
     size_t kept = wanted < room ? wanted : room;
     memcpy(end, ": ", 2);
     memcpy(end + 2, inner, kept);

@@ -1,4 +1,4 @@
-/* Bursts among the rates of a recording, for whoever measures one or compares with it. td_bursts.h says what they are. */
+/* Finds bursts of events that a DAVIS makes when it reads out a frame: short leaps in the rate of events over all pixels. */
 #include "td_bursts.h"
 #include "td_sort.h"
 
@@ -7,12 +7,12 @@
 
 enum {
     AROUND = 40,  /* bins on either side whose median is the usual rate: 10 ms */
-    LONGEST = 20, /* bins: what lasts more than 5 ms is the scene */
-    SILENT = 6,   /* bins between the two leaps of one readout, while pixels are held */
-    WIDER = 2     /* bins on either side that a burst's foot has */
+    LONGEST = 20, /* bins: a longer leap (5 ms) comes from the scene */
+    SILENT = 6,   /* bins between the two leaps of one readout: in between the pixels are held */
+    WIDER = 2     /* bins on either side that are marked, too: a burst's edges are lower than its top */
 };
-#define ABOVE 1.5  /* times the usual rate, */
-#define SIGMAS 6.0 /* and so many of its own scatter */
+#define ABOVE 1.5  /* a burst's rate is above 1.5 times the usual rate, */
+#define SIGMAS 6.0 /* and above the usual rate by 6 times its Poisson scatter */
 
 static double usual(const uint32_t *rate, size_t bins, size_t bin) {
     double around[2 * AROUND + 1];
@@ -25,7 +25,7 @@ static double usual(const uint32_t *rate, size_t bins, size_t bin) {
 
 static int32_t leaps(const uint32_t *rate, size_t bins, size_t bin) {
     const double here = rate[bin];
-    if (here <= SIGMAS) return 0; /* whatever is around */
+    if (here <= SIGMAS) return 0; /* too few events to be a burst, whatever the usual rate is */
     const double there = usual(rate, bins, bin);
     return here > ABOVE * there && here > there + SIGMAS * sqrt(there + 1);
 }

@@ -1,12 +1,12 @@
-/* Names and units of a text table's columns. Readers ask for what they need by all names that they know for it; spelling, order
- * and what else there is are the file's. */
+/* Parses the line of a text table that names its columns and their units. A reader asks for a column by all the names that
+ * it knows for it. The order of the columns, the spelling and further columns may be any. */
 #include "td_columns.h"
 
 #include <stddef.h>
 #include <string.h>
 
-/* Words that files write for a unit. Behind a name's last '_' or within brackets every word counts. Glued to a name
- * ("timestampus") only words of two letters and more count. */
+/* Words that files use for a unit, and the unit that each means. After a name's last '_' or within brackets any of these
+ * words counts. Glued to a name ("timestampus") only words of two letters and more count. */
 static const struct {
     const char *word, *unit;
     int digits;
@@ -23,7 +23,7 @@ static const struct {
 };
 enum { UNITS = sizeof units / sizeof *units };
 
-/* -- letters: ASCII's alone, whatever the locale ------------------------------------------------------------------------- */
+/* -- letters: ASCII only, independent of the locale ---------------------------------------------------------------------- */
 
 static char small(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
 static int is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -38,7 +38,7 @@ static size_t micro(const char *c, const char *end) {
     return first == 0xB5;
 }
 
-/* Letters and digits from `c` on in small, others left out. */
+/* Copies the letters and digits from `c` on in lower case, and leaves other characters out. */
 static void plain(const char *c, const char *end, char *out, size_t size) {
     size_t length = 0;
     while (c < end && length + 1 < size) {
@@ -85,7 +85,7 @@ static void set_unit(const char *c, const char *end, td_column *column) {
     if (known >= 0) memcpy(column->unit, units[known].unit, strlen(units[known].unit) + 1);
 }
 
-/* "t [us]" and "t(us)": the end of the name. */
+/* Reads a unit in brackets ("t [us]", "t(us)"); returns the end of the name in front of it. */
 static const char *take_brackets(const char *c, const char *end, td_column *column) {
     const char *open = c;
     while (open < end && *open != '[' && *open != '(') open++;
@@ -95,7 +95,8 @@ static const char *take_brackets(const char *c, const char *end, td_column *colu
     return open;
 }
 
-/* "t_us", "time in us": the end of the name. A name that is nothing but a unit's word stays one. */
+/* Reads a unit behind the name ("t_us", "time in us"); returns the end of the name. A name that consists of a unit's word
+ * only stays a name. */
 static const char *take_suffix(const char *c, const char *end, td_column *column) {
     const char *word = end;
     while (word > c && !strchr("_ -./", word[-1])) word--;
@@ -109,14 +110,14 @@ static const char *take_suffix(const char *c, const char *end, td_column *column
     return end;
 }
 
-/* "x@1280": the end of the name. */
+/* Reads a size behind the name ("x@1280"); returns the end of the name. */
 static const char *take_size(const char *c, const char *end, td_column *column) {
     const char *at = memchr(c, '@', (size_t)(end - c));
     if (!at) return end;
     int32_t size = 0;
     for (const char *digit = at + 1; digit < end && is_digit(*digit); digit++) {
         size = 10 * size + (*digit - '0');
-        if (size > 65536) return at; /* no sensor's */
+        if (size > 65536) return at; /* larger than any sensor: no size */
     }
     column->size = size;
     return at;
@@ -133,7 +134,7 @@ static void parse_field(const char *c, const char *end, td_column *column) {
 
 /* -- the line ------------------------------------------------------------------------------------------------------------ */
 
-/* The place behind a quoted field's end; its quotes may hold separators. */
+/* Returns the place behind the end of a quoted field, which may hold separators. */
 static const char *skip_quotes(const char *c) {
     const char quote = *c++;
     while (!ends_line(*c) && *c != quote) c++;
@@ -153,7 +154,7 @@ static char find_separator(const char *c) {
     return ' ';
 }
 
-/* The end of the field at `c`. Between blanks "t [us]" is one field. */
+/* Returns the end of the field at `c`. If blanks separate the fields, "t [us]" is still one field. */
 static const char *end_of_field(const char *c, char separator) {
     while (!ends_line(*c)) {
         if (*c == '"') {
@@ -181,7 +182,7 @@ static const char *skip_front(const char *c) {
     }
 }
 
-/* The place behind "Format:" and the like, labels in front of the names. */
+/* Returns the place behind a label such as "Format:" in front of the names. */
 static const char *skip_label(const char *c) {
     const char *end = c;
     while (is_word(small(*end))) end++;
@@ -210,9 +211,10 @@ int td_columns_parse(const char *line, td_columns *columns) {
     return named > 0 && numbers == 0;
 }
 
-/* -- asking -------------------------------------------------------------------------------------------------------------- */
+/* -- look-up by name
+ * -------------------------------------------------------------------------------------------------------------- */
 
-/* 1 where the name is the `length` letters at `wanted`, of which one may be '*', for any letters or none. */
+/* 1 if the name matches `wanted` (`length` letters). One '*' in `wanted` stands for any letters or none. */
 static int has_name(const char *name, const char *wanted, size_t length) {
     const size_t own = strlen(name);
     const char *star = memchr(wanted, '*', length);
@@ -221,8 +223,8 @@ static int has_name(const char *name, const char *wanted, size_t length) {
     return own >= front + back && memcmp(name, wanted, front) == 0 && memcmp(name + own - back, star + 1, back) == 0;
 }
 
-/* The unit's digits where the name is the `length` letters at `wanted` with a unit's word of two letters and more behind;
- * otherwise -1. */
+/* If the name is `wanted` (`length` letters) with a unit's word of at least two letters behind: the unit's decimal digits
+ * to nanoseconds. Otherwise -1. */
 static int has_name_and_unit(const char *name, const char *wanted, size_t length) {
     if (memchr(wanted, '*', length) || strncmp(name, wanted, length) != 0 || strlen(name) < length + 2) return -1;
     return td_unit_digits(name + length);
@@ -252,7 +254,7 @@ int td_columns_find(const td_columns *columns, const char *names) {
     return find(columns, names, 0, &digits);
 }
 
-/* "microseconds", "nsec": a column that is called by its unit alone. A letter is no unit here: "s" may be anything. */
+/* Finds a column that is named by its unit alone: "microseconds", "nsec". One letter doesn't count: "s" may be anything. */
 static int find_unit_alone(const td_columns *columns, int *digits) {
     const int count = columns->count < TD_COLUMNS_MAX ? columns->count : TD_COLUMNS_MAX;
     int found = TD_COLUMN_NONE;
@@ -278,13 +280,14 @@ int td_columns_time(const td_columns *columns, const char *names, int *digits) {
     return *digits < 0 ? TD_COLUMN_NONE : found;
 }
 
-/* -- without a name ------------------------------------------------------------------------------------------------------ */
+/* -- units that no name gives
+ * ------------------------------------------------------------------------------------------------------ */
 
 int td_counts_from_1970(double seconds) { return seconds >= 1e8 && seconds < 5e9; }
 
 int td_likely_digits(double last, double step) {
     static const int digits[] = {9, 6, 3, 0};
-    double unit = 1; /* how many make a second */
+    double unit = 1; /* units in a second */
     for (int k = 0; k < 4; k++, unit *= 1e3)
         if (td_counts_from_1970(last / unit) && step <= unit && step >= 1e-3 * unit) return digits[k];
     unit = 1;

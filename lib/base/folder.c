@@ -1,5 +1,5 @@
-/* Lists the files of a folder, for readers of event files and frames that come as folders; makes folders; and takes paths
- * apart. */
+/* Lists the files of a folder, makes folders, and splits paths into folder and name. Used by readers of event files and
+ * frames that are stored as a folder. */
 #include "td_folder.h"
 
 #include <dirent.h>
@@ -52,7 +52,7 @@ int td_is_file(const char *path) {
     return stat(path, &facts) == 0 && S_ISREG(facts.st_mode);
 }
 
-/* Runs of digits compare as numbers. */
+/* Natural order: runs of digits compare as numbers, so that frame_9 comes before frame_10. */
 static int compare(const void *a, const void *b) {
     const char *left = *(char *const *)a, *right = *(char *const *)b;
     while (*left && *right) {
@@ -71,7 +71,7 @@ static int compare(const void *a, const void *b) {
         right++;
     }
     if (*left || *right) return *left ? 1 : -1;
-    return strcmp(*(char *const *)a, *(char *const *)b); /* "7" and "07" */
+    return strcmp(*(char *const *)a, *(char *const *)b); /* equal as numbers, such as "7" and "07": by their bytes */
 }
 
 tides_status td_folder_add(td_folder *folder, const char *path, const char *name, tides_error *error) {

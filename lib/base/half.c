@@ -1,4 +1,5 @@
-/* Half-precision numbers from and to their bits, for files and the labels of events. */
+/* Converts between half-precision numbers (IEEE 754 binary16) and double. Files store such numbers, and so do the truth
+ * labels of events. */
 #include "td_half.h"
 
 #include <math.h>
@@ -20,6 +21,7 @@ uint16_t td_half_bits(double value) {
     else if (size < 0x1p-14)
         bits = (int)rint(ldexp(size, 24));
     else
-        bits = ((exponent + 14) << 10) + (int)rint(ldexp(fraction, 11)) - 1024; /* a carry goes up by itself */
+        /* a mantissa that rounds up to 2048 carries into the exponent, as it should */
+        bits = ((exponent + 14) << 10) + (int)rint(ldexp(fraction, 11)) - 1024;
     return (uint16_t)(bits | (signbit(value) ? 0x8000 : 0));
 }

@@ -1,5 +1,5 @@
-/* One table of kinds of files, by their first bytes and their endings, and for each family what gets further with it where a
- * scene, events, poses, frames or a run file was wanted. */
+/* Recognises a file of a wrong kind by its first bytes or its ending, and says what to do with it. There is one piece of
+ * advice for each family of kinds and each purpose: a scene, events, poses, frames or a run file was wanted. */
 #include "td_kinds.h"
 
 #include "td_folder.h"
@@ -19,7 +19,6 @@ enum family {
     MESH,
     POINTS,
     SPLATS,
-    LCC,
     EVENTS,
     OLD_AEDAT,
     NUMPY,
@@ -36,7 +35,7 @@ enum family {
     FAMILIES
 };
 
-/* -- what gets further: % stands for the path ---------------------------------------------------------------------------- */
+/* -- advice: % stands for the path ---------------------------------------------------------------------------------------- */
 
 static const char pipe[] = "ffmpeg -i % -f yuv4mpegpipe - | tides simulate - -o events.h5 makes events of it";
 static const char bag[] =
@@ -66,7 +65,6 @@ static const char *const advice[FAMILIES][TD_WANTS] = {
     [POINTS] = {[TD_WANTS_ANY] = "points have no shape and no colour to each side: train splats from them (Brush, gsplat)"},
     [SPLATS] = {[TD_WANTS_ANY] = "scene.file takes it; tides info and render show it",
                 [TD_WANTS_SCENE] = "splat-transform makes a 3DGS .ply of it"},
-    [LCC] = {[TD_WANTS_ANY] = "splat-transform makes a 3DGS .ply of it"},
     [EVENTS] = {[TD_WANTS_ANY] = "it holds events: tides info, view, cut, export, convert and metrics take it"},
     [OLD_AEDAT] = {[TD_WANTS_ANY] = "AEDAT 2 and 4 are read: export it as one of them, or as text, in DV or jAER"},
     [NUMPY] = {[TD_WANTS_ANY] = "tides info says what is in it; arrays (frames, height, width) go to frames.file",
@@ -95,7 +93,7 @@ static const char *const wishes[TD_WANTS] = {[TD_WANTS_SCENE] = "a scene of spla
                                              [TD_WANTS_TEXT] = "a text file",
                                              [TD_WANTS_ANY] = "read here"};
 
-/* 1 where the reader takes this family itself: its own message says more than a hint from here. */
+/* 1 if a reader takes this family for this purpose: then its own error says more than advice from here. */
 static int is_wanted(int family, int wanted) {
     switch (wanted) {
         case TD_WANTS_SCENE: return family == HDF5;
@@ -107,17 +105,18 @@ static int is_wanted(int family, int wanted) {
     }
 }
 
-/* -- the kinds: the first row that fits ---------------------------------------------------------------------------------- */
+/* -- the kinds: the first row that fits is taken
+ * ---------------------------------------------------------------------------------- */
 
 typedef struct kind {
-    const char *magic; /* NULL: the ending alone */
+    const char *magic; /* NULL: only the ending is compared */
     size_t bytes, at;
-    const char *ending; /* NULL: any */
+    const char *ending; /* NULL: any ending */
     const char *name;
     int family;
 } kind;
 
-enum { HEAD = 528 }; /* MATLAB 7.3's HDF5 begins at 512 */
+enum { HEAD = 528 }; /* bytes read of a file; HDF5 in MATLAB 7.3's files begins at byte 512 */
 #define MAGIC(text) text, sizeof text - 1
 
 static const kind kinds[] = {
@@ -183,7 +182,8 @@ static const kind kinds[] = {
     {NULL, 0, 0, ".splat", "a .splat scene", SPLATS},
     {NULL, 0, 0, ".ksplat", "a .ksplat scene", SPLATS},
     {MAGIC("Kg\0\0"), 0, NULL, "a .splatv scene", SPLATS},
-    {NULL, 0, 0, ".lcc2", "an LCC 2 scene", LCC},
+    {NULL, 0, 0, ".lcc", "an LCC scene", SPLATS},
+    {NULL, 0, 0, ".lcc2", "an LCC2 scene", SPLATS},
     {MAGIC("#!AER-DAT1"), 0, NULL, "an AEDAT 1 recording", OLD_AEDAT},
     {MAGIC("#!AER-DAT3"), 0, NULL, "an AEDAT 3 recording", OLD_AEDAT},
     {MAGIC("#!AER-DAT"), 0, NULL, "an AEDAT recording", EVENTS},
@@ -201,7 +201,7 @@ static const kind kinds[] = {
     {MAGIC("\x80\x05\x95"), 0, NULL, "a Python pickle", PICKLE},
     {MAGIC("PAR1"), 0, NULL, "a Parquet table", TABLE},
     {MAGIC("ARROW1"), 0, NULL, "an Arrow table", TABLE},
-    {MAGIC("\xff\xfe"), 0, NULL, "text in UTF-16", UTF16}, /* PowerShell's > writes that */
+    {MAGIC("\xff\xfe"), 0, NULL, "text in UTF-16", UTF16}, /* the output of PowerShell's > */
     {MAGIC("\xfe\xff"), 0, NULL, "text in UTF-16", UTF16},
     {MAGIC("<?xml"), 0, NULL, "an XML file", XML},
     {MAGIC("<!DOCTYPE html"), 0, NULL, "a web page", PAGE},
@@ -224,7 +224,7 @@ static const kind *find(const char *path, const char *head, size_t got) {
     return NULL;
 }
 
-/* The advice with the path in the places of %. */
+/* Copies the advice with each % replaced by the path. */
 static void put_path(const char *text, const char *path, char *out, size_t size) {
     size_t used = 0;
     for (; *text && used + 1 < size; text++) {
@@ -235,7 +235,7 @@ static void put_path(const char *text, const char *path, char *out, size_t size)
     out[used] = '\0';
 }
 
-/* The first bytes of a file; 0: there is none. */
+/* Reads the first bytes of a file; returns their number, 0 if the file can't be read. */
 static size_t read_head(const char *path, char head[HEAD]) {
     FILE *file = td_is_file(path) ? fopen(path, "rb") : NULL;
     const size_t got = file ? fread(head, 1, HEAD, file) : 0;
@@ -243,7 +243,7 @@ static size_t read_head(const char *path, char head[HEAD]) {
     return got;
 }
 
-/* rosbag2 writes a folder, with what is in it in metadata.yaml. */
+/* A folder is recognised as a rosbag2 recording by its metadata.yaml. */
 static const kind *find_folder(const char *path) {
     static const kind own = {MAGIC("rosbag2_bagfile_information"), 0, NULL, "the folder of a ROS 2 bag", BAG_2};
     char head[HEAD], *metadata = td_format(NULL, "%s/metadata.yaml", path);

@@ -1,21 +1,21 @@
-/* The name that a misspelt one was meant to be, for errors of the library, the tool and the package: one measure of how far, so
- * that all of them suggest the same. The words around a suggestion are the caller's. */
+/* Finds the known name that is nearest to a misspelt one, for error messages. Library, tool and Python package all use it,
+ * so that they suggest the same name. The caller words the message. */
 #include "td_base.h"
 
 #include <string.h>
 
-/* Longer names than any key, file ending or command has; they are simply far. */
+/* Longest name that is compared: no key, file ending or command is longer. Longer names count as far from all. */
 enum { LONGEST = 128, ROW = LONGEST + 1 };
 
-/* A start of two letters or fewer may be of anything. */
+/* An abbreviation counts only from three letters on: shorter ones are the start of too many names. */
 enum { LEAST_START = 3 };
 
-/* Capital letters are no slip: people write a sensor's name as its maker does. */
+/* Capital and small letters count as equal: people write a sensor's name as its maker does. */
 static char small(char c) { return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); }
 
 static size_t lesser(size_t a, size_t b) { return a < b ? a : b; }
 
-/* The row of the i-th letter of `a` from the two before it. */
+/* Computes row i of the distance table, for the i-th letter of `a`, from the two rows before it. */
 static void next_row(const char *a, const char *b, size_t i, const size_t *before, const size_t *last, size_t *row) {
     row[0] = i;
     for (size_t j = 1; b[j - 1]; j++) {
@@ -44,7 +44,8 @@ const char *tides_nearest_name(const char *name, const char *const *names) {
     size_t least = length / 2 + 1; /* more than half the letters wrong is not a slip */
     for (; *names; names++) {
         if (strcmp(name, *names) == 0) return *names;
-        const int32_t starts = length >= LEAST_START && strncmp(name, *names, length) == 0; /* an abbreviation: --out, sim */
+        /* an abbreviation such as --out or sim */
+        const int32_t starts = length >= LEAST_START && strncmp(name, *names, length) == 0;
         const size_t distance = starts ? 0 : edit_distance(name, *names);
         if (distance < least) {
             least = distance;

@@ -1,4 +1,5 @@
-/* Writes output files beside their place, and moves them there: the rules are in tides/base.h. */
+/* Writes each output as PATH.part beside PATH and renames it when it is complete, so that PATH never holds a half-written
+ * file. */
 #include "td_base.h"
 #include "td_folder.h"
 
@@ -14,7 +15,7 @@ static const char ending[] = ".part";
 
 /* ---- names ---- */
 
-/* The target of the link `path`, as a path from here. */
+/* Reads the link `path`. `*target` is its target, relative to the current folder, allocated. */
 static tides_status read_link(const char *path, char **target, tides_error *error) {
     char text[4096]; /* PATH_MAX of Linux: no link holds more */
     ssize_t length = readlink(path, text, sizeof text);
@@ -26,7 +27,7 @@ static tides_status read_link(const char *path, char **target, tides_error *erro
 }
 
 tides_status td_follow_links(const char *path, char **target, tides_error *error) {
-    enum { LINKS_MAX = 40 }; /* as Linux itself follows */
+    enum { LINKS_MAX = 40 }; /* Linux gives up after as many */
     struct stat there;
     char *at = td_strdup(path, error);
     tides_status status = at ? TIDES_OK : TIDES_NO_MEMORY;
@@ -44,8 +45,8 @@ tides_status td_follow_links(const char *path, char **target, tides_error *error
     return status;
 }
 
-/* The reason why an existing file counts as another's, and isn't written. NULL: it is a file of ours alone, for example left by
- * a stopped run. In a folder that others may write anybody can put a link to a file of ours in the place of the .part. */
+/* Why an existing .part must not be overwritten; NULL: it may. Only a plain file of this user with one name is overwritten,
+ * such as the remains of a stopped run. In a folder that others may write, anybody could put a link to another file there. */
 static const char *foreign(const struct stat *there) {
     if (S_ISLNK(there->st_mode)) return "is a link";
     if (!S_ISREG(there->st_mode)) return "isn't a file";
@@ -102,20 +103,22 @@ tides_status td_remove_file(const char *path, tides_error *error) {
 
 int td_sync(int descriptor) {
     int failed = fsync(descriptor) == 0 ? 0 : errno;
-    return failed == EINVAL || failed == ENOTSUP || failed == ENOSYS ? 0 : failed; /* nothing there to be asked */
+    /* pipes and some file systems have nothing to flush */
+    return failed == EINVAL || failed == ENOTSUP || failed == ENOSYS ? 0 : failed;
 }
 
 int td_lock_alone(int descriptor) {
-    return flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK ? EBUSY : 0; /* not all file systems have locks */
+    /* a file system without locks counts as locked */
+    return flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK ? EBUSY : 0;
 }
 
-/* 1: what is open is what is at `path`, not what was put in its place meanwhile. */
+/* 1 if `descriptor` is still the file at `path`, which another process may have replaced after it was opened. */
 static int is_still_at(int descriptor, const char *path) {
     struct stat own, there;
     return fstat(descriptor, &own) == 0 && stat(path, &there) == 0 && own.st_dev == there.st_dev && own.st_ino == there.st_ino;
 }
 
-/* O_NONBLOCK: a FIFO isn't waited for. */
+/* Opens a file for reading and writing. O_NONBLOCK: a FIFO without a reader would block. */
 static int open_there(const char *path) {
     struct stat own;
     const int descriptor = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK);
@@ -132,7 +135,8 @@ int td_open_own(const char *path, int create) {
         int descriptor = create ? open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, 0666) : -1;
         if (descriptor >= 0 || (create && errno != EEXIST)) return descriptor;
         descriptor = open_there(path);
-        if (descriptor >= 0 || !create || errno != ENOENT) return descriptor; /* else it went away between */
+        /* ENOENT in spite of O_CREAT's EEXIST: removed in between, so try again */
+        if (descriptor >= 0 || !create || errno != ENOENT) return descriptor;
     }
 }
 
@@ -154,12 +158,12 @@ int td_keep_claim(int descriptor) { return descriptor < 0 ? -1 : fcntl(descripto
 
 void td_end_claim(int claim) {
     if (claim < 0) return;
-    flock(claim, LOCK_UN); /* a process that was forked meanwhile has it, too */
+    flock(claim, LOCK_UN); /* a child process forked meanwhile shares the lock, so closing alone would keep it */
     close(claim);
 }
 
 FILE *td_part_open(const char *part, const char *path) {
-    if (strcmp(part, path) == 0) return fopen(part, "wb"); /* a device or FIFO */
+    if (strcmp(part, path) == 0) return fopen(part, "wb"); /* PATH itself is a device or FIFO */
     const int descriptor = td_claim_file(part);
     FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r+b");
     if (descriptor >= 0 && !file) {
@@ -179,7 +183,8 @@ static int sync_path(const char *path, int flags) {
     return failed;
 }
 
-/* A rename is an entry of the folder, and is on the disk when that is. A folder that may not be read can't be asked. */
+/* Flushes the folder: a rename changes the folder, and is lost in a crash until the folder is on the disk. A folder without
+ * permission to read is skipped. */
 static int sync_folder_of(const char *path) {
     char *folder = td_folder_of(path, NULL);
     if (!folder) return ENOMEM;
@@ -188,7 +193,8 @@ static int sync_folder_of(const char *path) {
     return failed == EACCES || failed == EPERM ? 0 : failed;
 }
 
-/* 0 or errno. The target is checked again for a file that appeared since the work began: hours may lie between. */
+/* Renames `part` to `target`; returns 0 or errno. The target is checked again, because the work may have taken hours, and
+ * another file may have appeared there. */
 static int put_in_place(const char *part, const char *target) {
     struct stat there;
     if (lstat(target, &there) == 0 && !S_ISREG(there.st_mode)) return S_ISDIR(there.st_mode) ? EISDIR : EEXIST;
@@ -221,11 +227,11 @@ tides_status td_commit_or_keep(const char *part, const char *path, tides_error *
 
 /* ---- whole files ---- */
 
-/* 0 or errno. */
+/* Writes all bytes and closes the file; returns 0 or errno. */
 static int write_bytes(FILE *file, const void *bytes, size_t size) {
     errno = 0;
     int failed = size == 0 || fwrite(bytes, 1, size, file) == size ? 0 : errno ? errno : EIO;
-    if (fclose(file) != 0 && !failed) failed = errno; /* a full disk may show no earlier */
+    if (fclose(file) != 0 && !failed) failed = errno; /* with a full disk the error may come only here */
     return failed;
 }
 
@@ -260,16 +266,17 @@ tides_status tides_file_write(const char *path, const void *bytes, size_t size, 
     return status;
 }
 
-/* 0 or errno. A FIFO isn't opened: its reader would see its end. */
+/* Tests whether `part` can be written; returns 0 or errno. A FIFO isn't opened: its reader would see the end of the data. */
 static int try_part(const char *part, const char *path) {
     if (strcmp(part, path) == 0) return access(path, W_OK) == 0 ? 0 : errno;
     int made = open(part, O_WRONLY | O_CREAT | O_EXCL, 0666);
     if (made >= 0) {
-        if (td_lock_alone(made) == 0 && is_still_at(made, part)) unlink(part); /* else another run has begun to write it */
+        /* otherwise another run has begun to write the file */
+        if (td_lock_alone(made) == 0 && is_still_at(made, part)) unlink(part);
         close(made);
         return 0;
     }
-    made = errno == EEXIST ? open_there(part) : -1; /* one that was there is another run's, or waits to be gone on with */
+    made = errno == EEXIST ? open_there(part) : -1; /* an existing .part is being written by another run, or can be resumed */
     if (made < 0) return errno;
     close(made);
     return 0;

@@ -1,5 +1,6 @@
-/* Threads that share out work. One lock guards all that they share: parts are coarse, a few for each thread. */
-#define _GNU_SOURCE /* sched_getaffinity: a container's or taskset's processors are fewer than the machine's */
+/* A pool of threads that share the parts of a piece of work. One lock guards all shared fields. That is cheap enough: there
+ * are only a few parts for each thread. */
+#define _GNU_SOURCE /* for sched_getaffinity: a container or taskset allows fewer processors than the machine has */
 #include "td_pool.h"
 
 #include <pthread.h>
@@ -10,17 +11,17 @@
 
 struct td_pool {
     pthread_t thread[TD_POOL_MOST];
-    int threads; /* asked for, the caller's included */
-    int started; /* of the others */
-    int tried;   /* to start them: some may be missing */
+    int threads; /* threads asked for, with the caller's own */
+    int started; /* threads started besides the caller's */
+    int tried;   /* 1 after the attempt to start them, of which some may have failed */
     pid_t process;
     pthread_mutex_t lock;
     pthread_cond_t begun, ended;
-    /* the lock's: */
-    uint64_t round; /* number of the work at hand, or last */
+    /* guarded by the lock: */
+    uint64_t round; /* number of the current or last piece of work */
     td_pool_part part;
     void *user;
-    int parts, next, left; /* of it; taken so far; not done */
+    int parts, next, left; /* of this work: all parts, parts taken so far, parts not finished */
     int stops;
 };
 
@@ -57,7 +58,7 @@ static int is_forked(const td_pool *pool) { return getpid() != pool->process; }
 
 void td_pool_release(td_pool *pool) {
     if (!pool) return;
-    if (!is_forked(pool)) { /* else a lock may be held by a thread that isn't there */
+    if (!is_forked(pool)) { /* a forked process lacks the threads, and one of them may have held the lock */
         pthread_mutex_lock(&pool->lock);
         pool->stops = 1;
         pthread_cond_broadcast(&pool->begun);
@@ -75,7 +76,7 @@ int td_pool_threads(const td_pool *pool) {
     return pool->tried ? pool->started + 1 : pool->threads;
 }
 
-/* Does parts of the work at hand as long as there are any; with the lock, which is let go meanwhile. */
+/* Does parts of the current work until none is left. Called with the lock held; it is released during each part. */
 static void do_parts(td_pool *pool) {
     while (pool->next < pool->parts) {
         const int k = pool->next++;
@@ -104,7 +105,8 @@ static void *work(void *of) {
     return NULL;
 }
 
-/* Signals are the caller's. If a thread can't be started, the others do its work. */
+/* Starts the threads. They block all signals, which are for the program's own threads. If a thread can't be started, the
+ * others do its work. */
 static void start(td_pool *pool) {
     sigset_t all, before;
     pool->tried = 1;

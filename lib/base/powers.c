@@ -1,21 +1,22 @@
-/* The functions of td_math.h that have to do with exponents: exponentials, logarithms and powers. */
+/* Exponentials, logarithms and powers from basic operations only. C libraries differ in the last bits of these, and event
+ * times must not. */
 #include "td_exponential.h"
 #include "td_math.h"
 #include "td_two.h"
 
 #include <math.h>
 
-/* ln 2 in two parts: k times the first is exact for |k| < 2^21. */
+/* ln 2 as a sum of two doubles: k times the first is exact for |k| < 2^21. */
 static const double ln2 = 0x1.62e42feep-1, more = 0x1.a39ef35793c76p-33, per_ln2 = 1.44269504088896340736;
 
-/* Beyond these e^x is infinite, and 0. */
+/* e^x overflows to infinity above `most`, and underflows to 0 below `least`. */
 static const double most = 709.79, least = -745.2;
 
-/* The nearest whole number of |x| < 2^51. */
+/* The whole number nearest to x, |x| < 2^51. */
 static double nearest(double x) { return (x + 0x1.8p52) - 0x1.8p52; }
 
-/* e^(x + low), |low| below an ulp of x, to 0.52 ulp: 1 + r + r^2/2 is kept in two parts, and what is in one part, the rest of
- * the series, is below 2^-7. */
+/* e^(x + low), |low| below an ulp of x, to 0.52 ulp. The terms 1 + r + r^2/2 are summed as two doubles. The rest of the
+ * series is below 2^-7, and one double is enough for it. */
 static double exponential_of(double x, double low) {
     if (!(x < most)) return x >= most ? INFINITY : x;
     if (x < least) return 0;
@@ -48,7 +49,8 @@ double td_log1p(double x) {
     return isinf(sum) || !(sum > 0) ? td_ln(sum) : td_ln(sum) + (x - (sum - 1)) / sum;
 }
 
-/* log x of a positive number in two parts, to 2^-63 of itself or better: as td_logarithm, with all that counts in two parts. */
+/* log x of a positive number as two doubles, to 2^-63 of itself or better. The method is log m = 2 atanh((m - 1) / (m +
+ * 1)), with every large term as two doubles. */
 static td_two logarithm_of(double x) {
     static const td_two third = {0x1.5555555555555p-2, 0x1.5555555555555p-56};
     int e;
@@ -73,8 +75,9 @@ double td_pow(double x, double y) {
     if (x == 1 || y == 0) return 1;
     if (!(x >= 0) || isnan(y)) return NAN;
     const int grows = (x > 1) == (y > 0);
-    if (x == 0 || isinf(x) || fabs(y) > 1e20) return grows ? INFINITY : 0; /* |log x| > 1e-16 */
+    /* since |log x| > 1e-16, the exponent is out of range */
+    if (x == 0 || isinf(x) || fabs(y) > 1e20) return grows ? INFINITY : 0;
     const td_two log_x = logarithm_of(x), exponent = td_two_product(y, log_x.high);
-    if (fabs(exponent.high) < 1e-280) return 1; /* where products lose their low parts */
+    if (fabs(exponent.high) < 1e-280) return 1; /* below this the products would lose their low parts */
     return exponential_of(exponent.high, exponent.low + y * log_x.low);
 }

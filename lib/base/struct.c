@@ -1,14 +1,15 @@
-/* Structs of parameters from callers of any version (td_struct.h says the rule). */
+/* Copies a caller's struct of parameters, which may be shorter or longer than this version's. Public structs begin with
+ * their size and only grow at the end. */
 #include "td_struct.h"
 
 #include "td_base.h"
 
 #include <string.h>
 
-/* A size above this is memory that was never set, and reading that far could leave the caller's: no struct is near it. */
+/* A larger size can't be a caller's: it is uninitialised memory, and reading so many bytes could leave the caller's memory. */
 enum { SIZE_MAX_OF_STRUCT = 1 << 14 };
 
-/* The first byte of [from, to) that isn't 0; `to` where there is none. */
+/* The first byte of [from, to) that isn't 0; `to` if all are 0. */
 static size_t first_set(const unsigned char *bytes, size_t from, size_t to) {
     while (from < to && bytes[from] == 0) from++;
     return from;

@@ -1,5 +1,5 @@
-/* Internal: integers of files at any address, whatever the host's own order of bytes and its alignment. Compilers make one load
- * (and a swap) of each. */
+/* Internal: reads and writes integers of files at any address, whatever the host's byte order and alignment. Compilers turn
+ * each into one load (and a byte swap). */
 #ifndef TD_ENDIAN_H
 #define TD_ENDIAN_H
 

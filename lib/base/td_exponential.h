@@ -1,5 +1,5 @@
-/* Internal: e^x and log x for loops over many numbers: basic operations alone, so that compilers vectorise them and no C
- * library has a say in the bits. For single numbers, any of them, td_math.h has td_exp and td_ln. */
+/* Internal: e^x and log x for loops over many numbers. They use basic operations only, so that compilers vectorise them,
+ * and the bits are the same with every C library. For single numbers and all arguments, td_math.h has td_exp and td_ln. */
 #ifndef TD_EXPONENTIAL_H
 #define TD_EXPONENTIAL_H
 
@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Below TD_EXPONENT_LEAST it stays at its value there, 5e-304; the largest x whose e^x is finite and a bit. */
+/* Outside these bounds td_exponential keeps its value at the bound: 5e-304 below, and almost the largest double above. */
 #define TD_EXPONENT_LEAST (-698.0)
 #define TD_EXPONENT_MOST 709.0
 
@@ -41,23 +41,24 @@ TD_WITHIN double td_exponential_cubes(double r) {
 }
 TD_WITHIN double td_exponential_squares(double r) { return td_exponential_cubes(r) * r + 0.5; }
 
-/* e^x of a finite x, error < 1 ulp (tests/unit/test_exponential.c). Above TD_EXPONENT_MOST it stays at its value there. With x
- * = k ln 2 + r, |r| < 0.347, it is 2^k times the series of e^r. ln 2 is in two parts, so that k times the first is exact. */
+/* e^x of a finite x, error < 1 ulp (tests/unit/test_exponential.c), clamped at the two bounds. With x = k ln 2 + r, |r| <
+ * 0.347, it is 2^k times the series of e^r. ln 2 is the sum of two doubles: k times the first is exact. */
 TD_WITHIN double td_exponential(double x) {
     static const double rounds = 0x1.8p52, per_ln2 = 1.44269504088896340736, ln2 = 0x1.62e42feep-1,
                         more = 0x1.a39ef35793c76p-33;
     const double low = x < TD_EXPONENT_LEAST ? TD_EXPONENT_LEAST : x, within = low > TD_EXPONENT_MOST ? TD_EXPONENT_MOST : low;
     const double shifted = within * per_ln2 + rounds, k = shifted - rounds, r = (within - k * ln2) - k * more;
     const double p = 1 + (r + r * r * td_exponential_squares(r));
-    return td_double_of(td_bits_of(p) + (td_bits_of(shifted) << 52)); /* the exponent's field */
+    return td_double_of(td_bits_of(p) + (td_bits_of(shifted) << 52)); /* adds k to the exponent's bits */
 }
 
-/* log x of a positive normal number, to 2 ulp: x = 2^e m with m from sqrt(1/2) to sqrt(2), and log m = 2 atanh(s) with
- * s = (m - 1) / (m + 1), |s| < 0.172, whose series' first term left out is below 2^-56 of it. */
+/* log x of a positive normal number, error 2 ulp. With x = 2^e m, m from sqrt(1/2) to sqrt(2), log m = 2 atanh(s) with s =
+ * (m - 1) / (m + 1). |s| < 0.172, so the first term left out of the series is below 2^-56 of the sum. */
 TD_WITHIN double td_logarithm(double x) {
     static const double ln_2 = 0.69314718055994530942;
     const uint64_t root = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000, whole = ((uint64_t)1 << 52) - 1;
-    const uint64_t shifted = td_bits_of(x) + (one - root); /* its exponent is e: no branch, but a carry */
+    /* e without a branch: the addition carries into the exponent where the mantissa is above sqrt(2) */
+    const uint64_t shifted = td_bits_of(x) + (one - root);
     const double e = td_double_of(shifted >> 52 | td_bits_of(0x1p52)) - (0x1p52 + 1023);
     const double m = td_double_of((shifted & whole) + root);
     const double s = (m - 1) / (m + 1), z = s * s;

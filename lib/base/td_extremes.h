@@ -1,5 +1,5 @@
-/* Internal: the greater and the lesser of two numbers, by one comparison, where fmax and fmin ask about NaN: the second where
- * either is NaN. */
+/* Internal: the greater and the lesser of two numbers, by one comparison. fmax and fmin are slower, because they handle
+ * NaN; these return the second argument if either is NaN. */
 #ifndef TD_EXTREMES_H
 #define TD_EXTREMES_H
 

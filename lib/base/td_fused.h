@@ -2,9 +2,9 @@
 #ifndef TD_FUSED_H
 #define TD_FUSED_H
 
-/* A library for any x86-64 calls libm for each fma(), which saves all registers around it: half of the time of the references,
- * which are written in terms of it. Such files are compiled a second time between these two lines, and what they make is taken
- * where the processor allows it. The bits are the same: an fma has one result (IEEE 754), nothing is contracted
+/* The library is built for any x86-64, where each fma() is a call of libm that saves all registers: half of the scalar
+ * references' time. Files that use fma() much are compiled a second time between these two lines, and called if the
+ * processor has the instruction. The bits are equal: an fma has one correct result (IEEE 754), and nothing is contracted
  * (-ffp-contract) or reordered (tests/kernels/test_fused.c). */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
 #define TD_FUSED

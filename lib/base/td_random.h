@@ -1,5 +1,5 @@
-/* Internal: random numbers by counter. Each is a function of (seed, pixel, index, purpose), so that streams do not depend on
- * tiles, threads, devices or where a run was cut (DESIGN 3.3).
+/* Internal: counter-based random numbers. Each is a function of (seed, pixel, index, purpose), so numbers depend neither on
+ * tiles, threads or devices nor on where a run was cut.
  *
  * Philox4x32-10: J. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011. */
 #ifndef TD_RANDOM_H
@@ -7,7 +7,8 @@
 
 #include <stdint.h>
 
-/* Purposes of random numbers: two uses never share one. Add at the end; the values are part of the stream's definition. */
+/* Purposes of random numbers: two uses never share one. Add new ones at the end: a changed value changes the events of
+ * every seed. */
 enum {
     TD_RANDOM_THRESHOLD = 1,
     TD_RANDOM_LEAK = 2,
@@ -18,7 +19,7 @@ enum {
     TD_RANDOM_NOISE = 7,
     TD_RANDOM_DROP = 8,
     TD_RANDOM_JITTER = 9,
-    TD_RANDOM_NOISE_BRIDGE = 10, /* with a number above TD_RANDOM_PURPOSE_BITS: the node of a line's tree */
+    TD_RANDOM_NOISE_BRIDGE = 10, /* the upper bits of the purpose hold the node of the bridge's tree */
     TD_RANDOM_FRAME_SHOT = 11,
     TD_RANDOM_FRAME_READ = 12,
     TD_RANDOM_IMU_NOISE = 13,
@@ -43,7 +44,7 @@ enum {
     TD_RANDOM_LDATI = 75
 };
 
-/* The lowest bits of a purpose, which hold all of these. */
+/* The lowest bits of a purpose number hold a value from the list. */
 enum { TD_RANDOM_PURPOSE_BITS = 8 };
 
 /* 128 random bits. */
@@ -55,13 +56,13 @@ td_random_bits td_random(uint64_t seed, uint32_t pixel, uint64_t index, uint32_t
 /* Philox itself, ten rounds. */
 td_random_bits td_philox(const uint32_t counter[4], const uint32_t key[2]);
 
-/* Uniform in (0, 1), 52 bits and a half, never an end; from words 0 and 1, or 2 and 3. */
+/* A uniform number (k + 1/2) / 2^52, never 0 or 1. `half` 0 takes the random words 0 and 1, `half` 1 the words 2 and 3. */
 double td_random_uniform(const td_random_bits *bits, int half);
 
 /* Two independent standard normals (Box and Muller). */
 void td_random_normals(const td_random_bits *bits, double normal[2]);
 
-/* Several numbers at once, with the bits of td_random in a fraction of the time: lane i is of pixel[i] and index[i]. */
+/* Several numbers at once, bit for bit those of td_random, in a fraction of the time. Lane i is of pixel[i] and index[i]. */
 enum { TD_RANDOM_LANES = 16 };
 typedef struct td_random_lanes {
     uint32_t word[4][TD_RANDOM_LANES];

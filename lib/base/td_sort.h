@@ -1,4 +1,4 @@
-/* Internal: putting numbers in order. One comparator for qsort, and the pass of a radix sort for whoever has a key. */
+/* Internal: a comparator of doubles for qsort, and one pass of a radix sort for items with a whole-number key. */
 #ifndef TD_SORT_H
 #define TD_SORT_H
 
@@ -12,15 +12,15 @@ static inline int td_ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* A radix sort is passes of this from the least significant digit of a key to the most, with `in` and `out` changing places.
- * 2048 counters fill half of a 32 KiB L1 cache: 8 bits would take more passes, 16 would miss the cache. */
+/* A radix sort makes a pass for each digit of the key, the lowest first, and exchanges `in` and `out` after each. 2048
+ * counters fill half of a 32 KiB L1 cache: digits of 8 bits would take more passes, and 16 would miss the cache. */
 enum { TD_RADIX_BITS = 11, TD_RADIX_DIGITS = 1 << TD_RADIX_BITS };
 
-/* The key of an item, of which the digit at `shift` counts. */
+/* Returns an item's key; a pass sorts by the digit at bit `shift` of it. */
 typedef uint64_t (*td_radix_key)(const void *context, const void *item);
 
-/* One stable pass over `count` items of `size` bytes. To be called with a key and a size that the compiler knows: it's then
- * as if they were written here. */
+/* One stable pass over `count` items of `size` bytes. Call it with constant `key` and `size`: inlined, the compiler then
+ * makes a loop for exactly this type. */
 #if defined(__GNUC__)
 __attribute__((__always_inline__))
 #endif

@@ -1,8 +1,8 @@
-/* Internal: the state of a run's parts as a table, for whoever saves it and puts it back (lib/checkpoint).
+/* Internal: a table of the arrays that make up a run's state, from which checkpoints save and restore them.
  *
- * Each part that has a state gives one function that adds its rows: what the file calls an array, what it holds, and where it
- * stands in the part's own memory. A new array of state is one row beside the code that owns it. State that isn't an array of
- * numbers (the readout's queues) packs itself. The table borrows: it lasts as long as the arrays stay where they are. */
+ * Each part of a run that has a state gives one function that adds its rows: an array's name in the file, its element type,
+ * and its address. A new array of state is one row beside the code that owns it. State that isn't an array of numbers (the
+ * readout's queues) packs itself. The table borrows: it is valid as long as the arrays stay where they are. */
 #ifndef TD_STATE_H
 #define TD_STATE_H
 
@@ -15,8 +15,8 @@ static inline size_t td_state_size(td_state_type type) {
     return type == TD_STATE_COUNT ? sizeof(uint32_t) : type == TD_STATE_WHOLE ? sizeof(int64_t) : sizeof(double);
 }
 
-/* One value per pixel in the simulator's order (tile by tile, each tile's pixels row by row), which the file has in the image's
- * order, so that other tiles can take it up; or as it stands. */
+/* TD_STATE_PIXELS: one value per pixel, in memory tile by tile and row by row within a tile. The file has the image's
+ * order, so that a run with other tiles can continue from it. TD_STATE_PLAIN: stored as it is in memory. */
 typedef enum td_state_order { TD_STATE_PIXELS, TD_STATE_PLAIN } td_state_order;
 
 typedef struct td_state_row {
@@ -24,19 +24,19 @@ typedef struct td_state_row {
     td_state_type type;
     td_state_order order;
     size_t count;
-    void *values; /* (count), the part's */
+    void *values; /* (count), owned by the part */
 } td_state_row;
 
-/* Twice what a run with every block has today (24 rows), so that a new block needs no thought. */
+/* Twice the 24 rows of a run with all blocks on, as room for new blocks. */
 enum { TD_STATE_ROWS = 48 };
 
 typedef struct td_state {
     td_state_row row[TD_STATE_ROWS];
     int rows;
-    int lost; /* rows that found no room: whoever walks the table refuses it then */
+    int lost; /* rows without room; a table with any is refused */
 } td_state;
 
-/* Adds a row. `values` NULL: this run hasn't got the array, and the file doesn't name it. */
+/* Adds a row. `values` NULL: the array doesn't exist in this run, and no row is added. */
 static inline void td_state_add(td_state *state, const char *name, td_state_type type, td_state_order order, size_t count,
                                 void *values) {
     const td_state_row row = {name, type, order, count, values};

@@ -1,5 +1,5 @@
-/* Internal: numbers as text, with a decimal point in any locale: files that are written beside and renamed, of which any number
- * may be open, and a span of code that reads. */
+/* Internal: writes and reads numbers as text with a decimal point, whatever the program's locale. A text file is written as
+ * PATH.part and renamed when it is complete. Any number may be open at once. */
 #ifndef TD_TEXT_H
 #define TD_TEXT_H
 
@@ -9,27 +9,27 @@
 
 typedef struct td_text {
     FILE *file;        /* NULL: not open */
-    char *path, *part; /* to write, and what is written to */
+    char *path, *part; /* final path, and path while it is written */
     locale_t plain;
     int failed; /* errno of the first line that couldn't be written */
 } td_text;
 
 tides_status td_text_open(td_text *text, const char *path, tides_error *error);
 
-/* The status of all lines so far: who doesn't look at it (and gives NULL for the error) hears it from td_text_close. */
+/* Writes formatted text; returns the status of all writes so far. A caller may ignore it (with a NULL error), since
+ * td_text_close reports it again. */
 tides_status td_text_put(td_text *text, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
 
-/* Puts the file in place where `status` is TIDES_OK, else removes it; the status, or why it couldn't be written. It does
- * nothing for a text that isn't open. */
+/* Closes the file and renames it if `status` is TIDES_OK; otherwise removes it. Returns `status`, or the reason why it
+ * couldn't be written. A text that isn't open is left alone. */
 tides_status td_text_close(td_text *text, tides_status status, tides_error *error);
 static inline void td_text_drop(td_text *text) { (void)td_text_close(text, TIDES_CANCELLED, NULL); }
 
-/* Line breaks of a text that was read whole become LF alone: CR LF, and CR as old spreadsheets write it. A byte order mark
- * goes. Lines keep their numbers. */
+/* Replaces the line breaks of a whole text, CR LF or CR, by LF. Also removes a byte order mark. Line numbers stay the same. */
 void td_break_lines(char *text);
 
-/* The calling thread's locale is C's from begin to end: strtod and cJSON read "1.5" as 1 where the program around us has chosen
- * one with a decimal comma. Where _begin fails, for want of memory for `what`, there is nothing to end. */
+/* From begin to end the calling thread has the C locale. In a program with a decimal comma, strtod and cJSON would read
+ * "1.5" as 1. _begin fails if memory is short; then _end must not be called. */
 typedef struct td_plain_numbers {
     locale_t plain, before;
 } td_plain_numbers;

@@ -1,4 +1,4 @@
-/* Internal: doubles that are twice as long: a sum of two that isn't rounded to one. */
+/* Internal: numbers of twice a double's precision, each the unrounded sum of two doubles. */
 #ifndef TD_TWO_H
 #define TD_TWO_H
 
@@ -12,8 +12,8 @@ static inline td_two td_two_sum(double a, double b) {
     return (td_two){sum, (a - (sum - of_b)) + (b - of_b)};
 }
 
-/* a b without rounding, for |a| and |b| below 1e290 whose product is above 1e-290 (Dekker 1971, Veltkamp's halves): an fma()
- * would be a call on processors that may lack it. */
+/* a b without rounding, for |a| and |b| below 1e290 whose product is above 1e-290 (Dekker 1971, with Veltkamp's split).
+ * fma() would be shorter, but is a slow library call on processors that may lack it. */
 static inline td_two td_two_product(double a, double b) {
     static const double halves = 134217729; /* 2^27 + 1 */
     const double big_a = halves * a, high_a = big_a - (big_a - a), low_a = a - high_a;
@@ -22,7 +22,7 @@ static inline td_two td_two_product(double a, double b) {
     return (td_two){product, ((high_a * high_b - product) + high_a * low_b + low_a * high_b) + low_a * low_b};
 }
 
-/* a + b and a b of such, to some 2^-100. */
+/* Sum and product of such numbers, with a relative error near 2^-100. */
 static inline td_two td_two_add(td_two a, td_two b) {
     const td_two sum = td_two_sum(a.high, b.high);
     return td_two_sum(sum.high, sum.low + (a.low + b.low));

@@ -1,4 +1,4 @@
-/* Loops over many doubles, for the vectors that the processor has. */
+/* Internal: makes loops over many doubles use the widest vectors of the processor. */
 #ifndef TD_WIDE_H
 #define TD_WIDE_H
 
@@ -6,10 +6,10 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Such a function is compiled more than once, and the loader takes the widest that runs here (gcc's target_clones). The library
- * itself is built for any x86-64, whose vectors hold two doubles. All have the same bits: nothing is contracted (-ffp-contract)
- * or reordered. Loops of comparisons gain most: with AVX-512 a comparison is a mask. Sanitizers aren't up yet when the loader
- * asks. */
+/* A function marked TD_WIDE is compiled for several instruction sets, and the loader picks the widest that runs here (gcc's
+ * target_clones). The library itself is built for any x86-64, whose vectors hold two doubles. The bits are the same in all
+ * versions: nothing is contracted (-ffp-contract) or reordered. Not with sanitizers: these aren't ready yet when the loader
+ * picks. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define TD_WIDE __attribute__((__target_clones__("avx512f", "avx2", "default")))
@@ -17,21 +17,21 @@
 #define TD_WIDE
 #endif
 
-/* A function that such a loop calls must be in the loop, however long it is: a call is never on whole vectors. */
+/* For functions called in such loops: they must be inlined, however long, because a call stops vectorisation. */
 #if defined(__GNUC__)
 #define TD_WITHIN static inline __attribute__((__always_inline__))
 #else
 #define TD_WITHIN static inline
 #endif
 
-/* floor, in additions that vectorise with any vectors; of numbers in [0, 2^51). */
+/* floor of x in [0, 2^51), by additions, which vectorise everywhere. */
 static inline double td_whole(double x) {
     const double nearest = (x + 0x1p52) - 0x1p52;
     return nearest - (nearest > x ? 1.0 : 0.0);
 }
 
-/* Numbers that a loop's vectors fill, of so many: at most 7 more. Where what is there is filled up with more of the like, no
- * number is left over to be done by itself, which takes as long as eight do. */
+/* `count` rounded up to a multiple of 8. A loop whose array is padded so far has no remainder; a remainder of one number
+ * takes as long as eight. */
 static inline int td_whole_vectors(int count) { return (int)(((unsigned)count + 7) & ~7U); }
 
 /* A whole number in [0, 2^52) as an integer, likewise. */
@@ -43,7 +43,7 @@ static inline int64_t td_integer(double x) {
     return bits - bits_of_none;
 }
 
-/* Asks for memory that is read soon. */
+/* Prefetches memory that is read a little later. */
 #if defined(__GNUC__)
 #define TD_SOON(place) __builtin_prefetch(place)
 #else
@@ -59,7 +59,7 @@ static inline size_t td_next_mark(const double *mark, size_t k, size_t count) {
         for (int i = 0; i < EACH; i++) any |= bits[i];
         if (any) break;
     }
-    /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): it doesn't follow td_whole_vectors */
+    /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): the analyzer doesn't follow td_whole_vectors */
     while (k < count && mark[k] == 0.0) k++;
     return k;
 }

@@ -1,5 +1,4 @@
-/* Text files of numbers, for times of frames, measurements, tracks and datasets: written to a .part in the C locale, and
- * renamed when all of it is on the disk (td_text.h). */
+/* Writes text files of numbers: with a decimal point in any locale, to PATH.part first, renamed when all is on the disk. */
 #include "td_text.h"
 
 #include <errno.h>
@@ -32,7 +31,7 @@ tides_status td_text_open(td_text *text, const char *path, tides_error *error) {
     return status;
 }
 
-/* The thread's locale is another one for this line only: its caller's code runs between two lines. */
+/* The thread's locale is switched for this line only: between two lines the caller's own code runs. */
 tides_status td_text_put(td_text *text, tides_error *error, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
@@ -46,7 +45,8 @@ tides_status td_text_put(td_text *text, tides_error *error, const char *format, 
 tides_status td_text_close(td_text *text, tides_status status, tides_error *error) {
     if (!text->file) return status;
     const int broken = ferror(text->file);
-    if ((fclose(text->file) != 0 || broken) && !text->failed) text->failed = errno ? errno : EIO; /* what was buffered, too */
+    /* closing writes the buffered rest, and may fail, too */
+    if ((fclose(text->file) != 0 || broken) && !text->failed) text->failed = errno ? errno : EIO;
     if (status == TIDES_OK && text->failed) status = fail_write(text, text->failed, error);
     if (status == TIDES_OK)
         status = td_commit_file(text->part, text->path, error);

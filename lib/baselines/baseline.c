@@ -1,5 +1,5 @@
-/* Baselines behind tides_baseline: defaults, checks of frames and parameters, and the order of events, which a method may
- * give late. Each method's law is in its own file (esim.c, v2e.c, voltmeter.c, iebcs.c, ldati.c, tides.c). */
+/* The common part of all baselines: defaults, checks of frames and parameters, and the order of events, some of which a
+ * method may give late. */
 #include "td_baseline.h"
 
 #include "td_random.h"
@@ -46,7 +46,7 @@ void tides_baseline_params_defaults(tides_baseline_params *params) {
     params->ldati = (tides_ldati_params){.fps = 30};
 }
 
-/* -- what the methods use ------------------------------------------------------------------------------------------------ */
+/* -- helpers of the methods ------------------------------------------------------------------------------------------------ */
 
 tides_status td_baseline_fire(tides_baseline *b, size_t i, int64_t t, int polarity, uint8_t cause, tides_error *error) {
     tides_event event = {.t = t, .polarity = (int8_t)polarity, .cause = cause};
@@ -100,7 +100,7 @@ tides_status tides_baseline_create(const tides_baseline_params *params, int32_t 
     tides_baseline_params_defaults(&own);
     tides_status status = TD_TAKE_STRUCT(tides_baseline_params, &own, params, error);
     if (status != TIDES_OK) return status;
-    if (own.sensor.size != sizeof own.sensor) /* all that follows it would stand elsewhere */
+    if (own.sensor.size != sizeof own.sensor) /* otherwise all fields behind it would be at other offsets */
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_baseline_params: sensor.size is %u, not %zu: fill the struct with tides_baseline_params_defaults "
                        "first",
@@ -133,7 +133,7 @@ void tides_baseline_destroy(tides_baseline *b) {
     free(b);
 }
 
-/* Gives the sink the sorted events before `until`, and keeps the rest. */
+/* Gives the sink the sorted events before `until`, and keeps the others. */
 static tides_status give(tides_baseline *b, int64_t until, tides_event_sink sink, void *user, tides_error *error) {
     td_event_buffer *made = &b->made;
     void *scratch = b->scratch;
@@ -151,12 +151,13 @@ static tides_status give(tides_baseline *b, int64_t until, tides_event_sink sink
     return TIDES_OK;
 }
 
-/* `now` [s after the epoch] is the frame's time. */
+/* Checks a frame, whose time is `now` [s after the epoch]. */
 static tides_status check_frame(const tides_baseline *b, double now, const double *Y, tides_error *error) {
     if (b->frames && !(now > b->now))
         return td_fail(error, TIDES_BAD_ARGUMENT, "frame %llu: its time %.15g s isn't after the one before, %.15g s",
                        (unsigned long long)b->frames, b->epoch + now, b->epoch + b->now);
-    const int any_sign = b->params.method == TIDES_METHOD_V2E && b->params.v2e.hdr; /* logarithms */
+    /* it works with logarithms, which may be negative */
+    const int any_sign = b->params.method == TIDES_METHOD_V2E && b->params.v2e.hdr;
     for (size_t i = 0, values = td_baseline_values(b); i < values; i++)
         if (!isfinite(Y[i]) || (Y[i] < 0 && !any_sign))
             return td_fail(error, TIDES_BAD_ARGUMENT,
@@ -184,7 +185,7 @@ tides_status td_baseline_push(tides_baseline *b, double time, double offset, con
     b->now = now;
     status = b->frames ? b->method->step(b, Y, error) : b->method->first(b, Y, error);
     b->frames++;
-    /* No event made later has a stamp before this frame's time less `late_s`; at that time itself there may be more. */
+    /* Events of later frames have stamps from this frame's time less `late_s` on. */
     return status == TIDES_OK ? give(b, td_baseline_ns(now - b->method->late_s), sink, user, error) : status;
 }
 

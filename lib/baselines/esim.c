@@ -1,5 +1,5 @@
-/* ESIM (Rebecq, Gehrig, Scaramuzza, CoRL 2018), as rpg_esim's event simulator does it: straight lines in the logarithm between
- * frames, one polarity per pixel and interval, and a crossing counts only within its interval. */
+/* ESIM (Rebecq, Gehrig, Scaramuzza, CoRL 2018), as rpg_esim implements it: straight lines of log luminance between frames. A
+ * pixel has one polarity per interval, and a crossing counts only within its interval. */
 #include "td_baseline.h"
 
 #include "td_math.h"
@@ -8,14 +8,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Below this change of L a pixel is passed over [log units], and thresholds drawn at random are no lower [log units]: both
- * rpg_esim's constants. */
+/* rpg_esim's constants [log units]: a pixel with a smaller change of L is skipped, and randomly drawn thresholds are clamped
+ * to at least the second. */
 #define LEAST_CHANGE 1e-6
 #define LEAST_THRESHOLD 0.01
 
 typedef struct esim_state {
     double *reference, *last; /* [log units] (pixels) */
-    int64_t *fired;           /* time of the last event [ns]; 0: none yet (pixels) */
+    int64_t *fired;           /* (pixels) time of the last event [ns]; 0: none yet */
 } esim_state;
 
 static void destroy(void *state) {
@@ -65,7 +65,7 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
     return TIDES_OK;
 }
 
-/* The threshold of this pixel for this interval. */
+/* The threshold of this pixel in this interval. */
 static double threshold(const tides_baseline *b, size_t i, int polarity) {
     const tides_esim *p = &b->params.esim;
     double mean = polarity > 0 ? p->contrast_threshold_pos : p->contrast_threshold_neg;
@@ -74,7 +74,7 @@ static double threshold(const tides_baseline *b, size_t i, int polarity) {
     return fmax(LEAST_THRESHOLD, mean + sigma * td_baseline_normal(b, i, b->frames, TD_RANDOM_ESIM_THRESHOLD));
 }
 
-/* A refractory event is dropped, but the caller has consumed its contrast already. */
+/* Fires an event, or drops it in the refractory period. The caller has moved the reference in both cases. */
 static tides_status fire(tides_baseline *b, size_t i, int64_t t, int polarity, tides_error *error) {
     esim_state *s = b->state;
     if (s->fired[i] != 0 && (double)(t - s->fired[i]) < b->params.esim.refractory_period_ns) return TIDES_OK;
@@ -113,5 +113,5 @@ const td_method td_esim = {"esim", create, first, step, NULL, destroy, 0.0, 0};
 
 double tides_esim_next_time(const tides_esim *esim, double time, double fastest) {
     double longest = 1.0 / esim->minimum_framerate, wanted = esim->adaptive_sampling_lambda / fastest;
-    return time + (wanted < longest ? wanted : longest); /* also where the rate is 0 */
+    return time + (wanted < longest ? wanted : longest); /* also if the rate is 0 */
 }

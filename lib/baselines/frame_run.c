@@ -1,5 +1,5 @@
-/* A run from frames, for any method: of a sequence, or of a renderer at a rate or at ESIM's own times; progress and statistics.
- * The baseline decides on the events of a frame. */
+/* Runs a method on frames: of a sequence, or of a renderer at a fixed rate or at ESIM's adaptive times. It handles progress
+ * and statistics; the method makes the events of a frame. */
 #include "render/td_render.h"
 #include "td_baseline.h"
 
@@ -15,16 +15,16 @@ typedef struct frame_run {
     void *sink_user;
     tides_progress progress;
     void *user;
-    td_share share; /* of the time in hand, which the renderer tells */
-    double *Y;      /* one frame, of all planes */
-    double *speeds; /* L_dot or Z of it, where ESIM samples by brightness or by motion (pixels) */
+    td_share share; /* progress of the current time */
+    double *Y;      /* a frame, all planes */
+    double *speeds; /* (pixels) L_dot or Z of the frame, if ESIM samples by brightness or by motion */
     uint64_t frames;
-    int32_t cut;               /* 1: frames before the start or after the stop are seen, and events there left out */
+    int32_t cut; /* 1: the first or last interval crosses the run's start or stop, and events outside are left out */
     int64_t start_ns, stop_ns; /* the run's */
     tides_stats stats;
 } frame_run;
 
-/* Events come by time: those within the run are in one piece. */
+/* Passes on events within the run. They come in order of time, so these are one contiguous part. */
 static int take(void *user, const tides_event *events, size_t count) {
     frame_run *r = user;
     if (r->cut) {
@@ -47,7 +47,7 @@ static int take(void *user, const tides_event *events, size_t count) {
     return stop;
 }
 
-/* The frame in r->Y, `offset` after `time`, to the pixels. */
+/* Gives the frame in r->Y, at `offset` after `time`, to the method. */
 static tides_status push(frame_run *r, double time, double offset, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
     double part = ((time - supply->start) + offset) / (supply->stop - supply->start);
@@ -69,13 +69,13 @@ static tides_status fail_outside(const frame_run *r, double from, double to, tid
                    from >= supply->stop ? ": set them to that, or frames.rebase to true, which puts the first frame at 0" : "");
 }
 
-/* The frames from *first to before *end bound all intervals of which a part lies within the run. A run that begins or ends
- * within an interval sees all of it, and keeps the events of its part. */
+/* Finds the frames [*first, *end) that bound all intervals which overlap the run. A run that begins or ends within an
+ * interval uses all of it, and keeps the events of its own part. */
 static tides_status find_frames(frame_run *r, double lasts, double rounding, size_t *first, size_t *end, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
     const size_t count = tides_frames_count(supply->frames);
     const double from = tides_frames_time(supply->frames, 0), to = tides_frames_time(supply->frames, count - 1) + lasts;
-    const size_t step = lasts > 0 ? 0 : 1; /* from an interval's first frame to its last */
+    const size_t step = lasts > 0 ? 0 : 1; /* frames from an interval's first to its last */
     *first = 0, *end = count;
     while (*first + step < count && tides_frames_time(supply->frames, *first + step) + lasts <= supply->start + rounding)
         ++*first;
@@ -116,7 +116,8 @@ static tides_status run_sequence(frame_run *r, tides_error *error) {
 
 /* -- renders --------------------------------------------------------------------------------------------------------------- */
 
-/* The bound of ESIM's next interval, from the frame just rendered: the largest |L_dot| [1/s] or the fastest motion [px/s]. */
+/* The value that limits ESIM's next interval, from the rendered frame: the largest |L_dot| [1/s], or the fastest motion
+ * [px/s]. */
 static tides_status find_fastest(const frame_run *r, double time, double *fastest, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
     if (r->baseline->params.esim.adaptive_sampling == TIDES_ESIM_MOTION)
@@ -127,8 +128,8 @@ static tides_status find_fastest(const frame_run *r, double time, double *fastes
     return TIDES_OK;
 }
 
-/* When to render next [s after the start]; frames lie on k / rate (a product, not a running sum) unless ESIM samples
- * adaptively. */
+/* Time of the next render [s after the start]. Frames are at k / rate (a product, so that rounding doesn't add up), unless
+ * ESIM samples adaptively. */
 static tides_status next_time(const frame_run *r, double time, double *next, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
     double fastest;
@@ -143,7 +144,7 @@ static tides_status next_time(const frame_run *r, double time, double *next, tid
                            "esim.simulation_adaptive_sampling_lambda",
                            supply->start + time);
     }
-    /* A rest below a nanosecond isn't an interval of its own. */
+    /* A remainder below a nanosecond would be no interval. */
     if (*next > supply->stop - supply->start - 1e-9) *next = supply->stop - supply->start;
     return TIDES_OK;
 }
@@ -173,7 +174,8 @@ static tides_status run_renders(frame_run *r, tides_error *error) {
     return status;
 }
 
-/* -- both ------------------------------------------------------------------------------------------------------------------ */
+/* -- the run
+ * ------------------------------------------------------------------------------------------------------------------ */
 
 static tides_status check_supply(const frame_run *r, tides_error *error) {
     const tides_frame_supply *supply = r->supply;

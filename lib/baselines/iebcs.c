@@ -1,5 +1,5 @@
-/* IEBCS (Joubert, Marcireau, Ralph, Jolley, van Schaik, Cohen, Frontiers 2021): each frame is a step of light that the pixel
- * follows with a time constant; latency and jitter come on top. Its times are whole microseconds. */
+/* IEBCS (Joubert, Marcireau, Ralph, Jolley, van Schaik, Cohen, Frontiers 2021). Each frame is a step of light, which the
+ * pixel follows with a time constant; latency and jitter are added. Times are whole microseconds. */
 #include "td_iebcs.h"
 
 #include "td_math.h"
@@ -8,17 +8,17 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Its clip of latencies [us], and the light that `tau` is given at [lux]. */
+/* IEBCS's largest latency [us], and the light for which `tau` is given [lux]. */
 #define LATENCY_MAX_US 10000.0
 #define TAU_LUX 1e3
-/* A pixel that fires more often in a frame has parameters that mean nothing, and would fill memory. */
+/* More events of a pixel in one frame mean nonsensical parameters, and would fill the memory. */
 enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
 
 typedef struct pixel {
     double v;         /* voltage at the last frame [log units] */
     double reference; /* [log units] */
-    double ready_us;  /* end of the refractory period; infinite where there is none */
-    double on, off;   /* the thresholds of the next event [log units] */
+    double ready_us;  /* end of the refractory period; infinite if it never ends */
+    double on, off;   /* thresholds of the next event [log units] */
     uint64_t draws;
 } pixel;
 
@@ -99,17 +99,17 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
 
 /* -- one pixel ----------------------------------------------------------------------------------------------------------- */
 
-/* A pixel while its interval is worked through. */
+/* State of a pixel within its interval. */
 typedef struct cursor {
-    double at_us, stop_us; /* where v is, and the interval's end */
-    double light, tau_us;  /* the logarithm that v goes to, and how fast */
+    double at_us, stop_us; /* time of v; end of the interval */
+    double light, tau_us;  /* the log of light that v approaches; time constant */
 } cursor;
 
 static double relaxed(const cursor *c, double v, double until_us) {
     return v + (c->light - v) * (1 - td_exp(-(until_us - c->at_us) / c->tau_us));
 }
 
-/* The reference is taken at the end of the refractory period. */
+/* Sets the reference at the end of the refractory period. */
 static void end_refractory(pixel *p, cursor *c) {
     if (!(p->ready_us < c->stop_us)) return;
     p->v = p->reference = relaxed(c, p->v, p->ready_us);
@@ -134,7 +134,7 @@ static tides_status fire_noise(tides_baseline *b, size_t i, cursor *c, tides_err
     return TIDES_OK;
 }
 
-/* Microseconds from where the cursor is to the event, whole: the time to reach the level, latency and its spread. */
+/* Delay of the event in whole microseconds: time to reach the level, latency, jitter. */
 static double event_delay(const tides_baseline *b, size_t i, pixel *at, const cursor *c, double level) {
     const tides_iebcs *p = &b->params.iebcs;
     double rest = c->light - at->v, delay = p->lat - c->tau_us * td_ln(1 - (level - at->v) / rest);

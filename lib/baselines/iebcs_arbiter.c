@@ -1,5 +1,5 @@
-/* IEBCS's readout arbiters. In the original the bottleneck releases fewer events the more of them wait, and the row arbiter
- * invents events: here both do what they are named for, and their events add up. */
+/* IEBCS's readout arbiters. Two bugs of the original aren't copied: its bottleneck gets slower the more events wait, and its
+ * row arbiter invents events. Here each event is read out exactly once. */
 #include "td_iebcs.h"
 
 #include "signal/td_event_sort.h"
@@ -13,7 +13,7 @@ void td_arbiter_free(td_arbiter *a) {
     free(a->scratch);
 }
 
-/* The new events join those that wait. */
+/* Adds the new events to the waiting ones. */
 static tides_status take(tides_baseline *b, td_arbiter *a, size_t first, tides_error *error) {
     td_event_buffer *waiting = &a->waiting;
     waiting->count -= a->next;
@@ -45,7 +45,7 @@ static const tides_event *oldest(const td_arbiter *a) {
     return a->next < a->waiting.count ? &a->waiting.events[a->next] : NULL;
 }
 
-/* Reads event `k` out at the clock, in whole microseconds. */
+/* Reads out event `k` at the arbiter's clock, in whole microseconds. */
 static tides_status release(tides_baseline *b, td_arbiter *a, size_t k, tides_error *error) {
     tides_event *event = &a->waiting.events[k];
     size_t i = (size_t)event->y * (size_t)b->width + event->x;
@@ -55,7 +55,7 @@ static tides_status release(tides_baseline *b, td_arbiter *a, size_t k, tides_er
     return status;
 }
 
-/* One event after the other, each taking its time. */
+/* Reads out one event after the other; each takes a fixed time. */
 static tides_status run_bottleneck(tides_baseline *b, td_arbiter *a, double stop_us, tides_error *error) {
     tides_status status = TIDES_OK;
     for (const tides_event *event; status == TIDES_OK && (event = oldest(a));) {
@@ -67,7 +67,7 @@ static tides_status run_bottleneck(tides_baseline *b, td_arbiter *a, double stop
     return status;
 }
 
-/* How many wait in `row`, or with `give` read them all out: those that happened by (or, strictly, before) the clock. */
+/* Counts the waiting events of `row` that happened by (or, strictly, before) the clock; with `give`, reads them out. */
 static tides_status sweep_row(tides_baseline *b, td_arbiter *a, int32_t row, double before_us, int strictly, int give,
                               size_t *count, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -82,7 +82,7 @@ static tides_status sweep_row(tides_baseline *b, td_arbiter *a, int32_t row, dou
     return status;
 }
 
-/* The row of the oldest event is emptied, which takes its time per event. */
+/* Reads out all events of the oldest event's row, with a fixed time for each event. */
 static tides_status run_rows(tides_baseline *b, td_arbiter *a, double stop_us, tides_error *error) {
     tides_status status = TIDES_OK;
     for (const tides_event *event; status == TIDES_OK && (event = oldest(a));) {
@@ -98,7 +98,7 @@ static tides_status run_rows(tides_baseline *b, td_arbiter *a, double stop_us, t
     return status;
 }
 
-/* One row per clock, in turn, while anything waits; a frame's events wait from its start on, as in the original. */
+/* Reads out one row per clock, in turn, while any event waits. A frame's events wait from its start on, as in the original. */
 static tides_status run_synchronous(tides_baseline *b, td_arbiter *a, double start_us, double stop_us, tides_error *error) {
     double period = b->params.iebcs.arbiter_us, from = fmax(start_us, a->clock_us);
     tides_status status = TIDES_OK;
@@ -106,9 +106,9 @@ static tides_status run_synchronous(tides_baseline *b, td_arbiter *a, double sta
         a->clock_us = from + tick * period;
         if (a->clock_us >= stop_us) break;
         double idle =
-            floor((time_us(oldest(a)) - a->clock_us) / period) - 1; /* clocks at which nothing can have happened yet */
+            floor((time_us(oldest(a)) - a->clock_us) / period) - 1; /* clocks before the next event, at which no row has any */
         if (idle > 1) {
-            tick += idle - 1; /* the loop adds the last */
+            tick += idle - 1; /* the loop adds one more */
             a->row = (int32_t)fmod(a->row + idle, b->height);
             continue;
         }

@@ -1,4 +1,5 @@
-/* IEBCS's noise events: strictly periodic with a random phase, or with periods from histograms that were measured per pixel. */
+/* IEBCS's noise events: strictly periodic with a random phase, or with periods drawn from measured histograms, one per
+ * pixel. */
 #include "td_iebcs.h"
 
 #include "archive/td_npy.h"
@@ -14,13 +15,13 @@ void td_iebcs_noise_free(td_iebcs_noise *noise) {
     free(noise->draws);
 }
 
-/* The rate that a bin stands for [Hz]. */
+/* The rate of a bin [Hz]. */
 static double bin_rate(int bin) {
     int decade = bin / 9 - 3;
     return (bin % 9 + 1) * td_pow(10.0, decade);
 }
 
-/* Counts to cumulative chances, row by row; a row without counts stays 0: a pixel without noise. */
+/* Converts counts to cumulative probabilities, row by row. A row without counts stays 0: a pixel without noise. */
 static tides_status accumulate(const char *file, const td_npy_array *array, td_iebcs_noise *noise, tides_error *error) {
     for (size_t row = 0; row < noise->rows; row++) {
         double sum = 0, *chance = noise->chance + row * TD_IEBCS_BINS;
@@ -60,7 +61,7 @@ static td_random_bits draw(const tides_baseline *b, td_iebcs_noise *noise, size_
 
 double td_iebcs_noise_period(const tides_baseline *b, td_iebcs_noise *noise, size_t i) {
     if (!noise->chance) return noise->period;
-    /* The pixel's row doesn't change: its number is the same function of the seed each time. */
+    /* The pixel's row never changes: its number depends only on seed and pixel. */
     td_random_bits which = td_random(b->params.seed, (uint32_t)i, noise->purpose | UINT32_MAX, TD_RANDOM_IEBCS_NOISE);
     size_t row = (size_t)(td_random_uniform(&which, 0) * (double)noise->rows);
     const double *chance = noise->chance + row * TD_IEBCS_BINS;

@@ -1,5 +1,5 @@
-/* V2CE's second stage (Zhang et al., ICRA 2024), LDATI: from the voxels of a frame interval to events, with a debt of fractions
- * that goes from bin to bin, and times from a density that is linear within a bin. */
+/* LDATI, the second stage of V2CE (Zhang et al., ICRA 2024): makes events from the voxels of a frame interval. Fractions of
+ * events are carried from bin to bin, and times have a density that is linear within a bin. */
 #include "td_base.h"
 #include "td_baseline.h"
 
@@ -9,18 +9,19 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Ten planes of voxels bound nine bins. */
+/* Ten planes of voxels have nine bins between them. */
 enum { PLANES = TIDES_LDATI_PLANES, BINS = PLANES - 1, EVENTS_PER_BIN_MAX = 1 << 16 };
 
-/* One pixel's bins of one polarity. */
+/* The bins of a pixel, for one polarity. */
 typedef struct bins {
     double count[BINS];
-    double first[BINS]; /* where a bin's only event lies in it, in [0, 1): the debt that it leaves, which is its weight in the
-                           next plane where voxels were shared out linearly */
+    /* Place in its bin, in [0, 1), of an only event. It is the debt that the bin leaves, which equals the event's weight in
+     * the next plane if voxels were made by linear interpolation. */
+    double first[BINS];
 } bins;
 
-/* Whole events per bin: what rounding up took too many is owed by the next bin. The tenth plane's whole part goes to the last
- * bin. */
+/* Whole numbers of events per bin. What rounding up adds to a bin is subtracted from the next one. The whole part of the
+ * tenth plane goes to the last bin. */
 static bins share_out(const double *voxels, size_t stride) {
     bins made;
     double debt = 0;
@@ -35,8 +36,8 @@ static bins share_out(const double *voxels, size_t stride) {
     return made;
 }
 
-/* Least-squares slope of the counts of a bin and its neighbours, as the slope of a density over [0, 1]: b + k s, with
- * b = 1 - k / 2, not negative anywhere. */
+/* Slope of the density b + k s over a bin [0, 1), with b = 1 - k / 2 so that its integral is 1: the least-squares slope of
+ * the counts of the bin and its neighbours, limited so that the density isn't negative. */
 static double density_slope(const bins *at, int k) {
     double before = at->count[k ? k - 1 : k], after = at->count[k + 1 < BINS ? k + 1 : k];
     double span = (k ? 1 : 0) + (k + 1 < BINS ? 1 : 0);
@@ -44,10 +45,11 @@ static double density_slope(const bins *at, int k) {
     return fmin(fmax(slope, -2.0), 2.0);
 }
 
-/* The place in [0, 1] below which a fraction u of the density lies. */
+/* The place in [0, 1] with a fraction u of the density below it. */
 static double place(double slope, double u) {
     double base = 1 - slope / 2;
-    return 2 * u / (base + sqrt(base * base + 2 * slope * u)); /* the quadratic's root without cancellation; slope 0 gives u */
+    /* the root of the quadratic without cancellation; for slope 0 it is u */
+    return 2 * u / (base + sqrt(base * base + 2 * slope * u));
 }
 
 typedef struct ldati_job {
@@ -83,7 +85,7 @@ static tides_status fire_pixel(ldati_job *job, const double *voxels, size_t i, i
     return status;
 }
 
-/* Events of one interval, in no order. */
+/* Makes the events of an interval, unsorted. */
 static tides_status fire_interval(tides_baseline *out, const double *voxels, double start, double stop, uint64_t frame,
                                   tides_error *error) {
     ldati_job job = {out, frame, 1e6 * start, 1e6 * (stop - start) / BINS};
@@ -116,17 +118,17 @@ tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, do
     return status;
 }
 
-/* -- as a method --------------------------------------------------------------------------------------------------------- */
+/* -- the method --------------------------------------------------------------------------------------------------------- */
 
 static tides_status create(tides_baseline *b, tides_error *error) {
     return td_baseline_range(b, "fps", b->params.ldati.fps, 1e-6, 1e9, error);
 }
 
-/* The interval's number keys its random numbers, so that a part of a sequence gives that part of the events. */
+/* Handles an interval. Its number is the key of its random numbers, so a part of a sequence gives that part of the events. */
 static tides_status push(tides_baseline *b, const double *voxels, tides_error *error) {
     const double lasts = td_baseline_lasts(b);
     return fire_interval(b, voxels, b->now, b->now + lasts, (uint64_t)llround(fmax((b->epoch + b->now) / lasts, 0)), error);
 }
 
-/* Times are floored to microseconds, so that an interval's first event may lie that much before it. */
+/* The method. Times are rounded down to microseconds, so an interval's first event may be up to 1e-6 s early. */
 const td_method td_ldati = {"ldati", create, push, push, NULL, NULL, 1e-6, 2 * PLANES};

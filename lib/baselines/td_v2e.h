@@ -1,4 +1,4 @@
-/* Internal: v2e's state, and the parts of it that have a file each. */
+/* Internal: v2e's state, shared by the files for its signal, its noise and its surround. */
 #ifndef TD_V2E_H
 #define TD_V2E_H
 
@@ -6,25 +6,25 @@
 
 typedef struct td_v2e_state {
     float *on, *off;      /* thresholds [log units] (pixels) */
-    float *leak_factor;   /* of the leak rate, 1 on average in decades (pixels) */
+    float *leak_factor;   /* (pixels) factor of the leak rate, log-normal around 1 */
     double *level;        /* low-passed logarithm (pixels) */
     double *reference;    /* (pixels) */
     double *noise;        /* low-passed photoreceptor noise [log units] (pixels) */
-    float *surround;      /* horizontal cells [log units] (pixels), NULL without a surround */
-    float *scratch;       /* its next value (pixels) */
+    float *surround;      /* (pixels) horizontal cells [log units]; NULL without a surround */
+    float *scratch;       /* (pixels) next value of the surround */
     double *fired;        /* time of the last event [s] (pixels) */
-    double *difference;   /* what the comparator sees [log units] (pixels) */
-    uint32_t *wanted;     /* events that it asks for in this interval, polarity by sign of the difference (pixels) */
-    uint32_t *kept;       /* of these, outside the refractory period (pixels) */
-    double noise_frame_s; /* interval that noise_level is for [s] */
-    double noise_level;   /* of the white noise before its low-pass [log units] */
+    double *difference;   /* (pixels) input of the comparator [log units] */
+    uint32_t *wanted;     /* (pixels) number of events in this interval; their polarity is the sign of the difference */
+    uint32_t *kept;       /* (pixels) how many of these are outside the refractory period */
+    double noise_frame_s; /* interval for which noise_level holds [s] */
+    double noise_level;   /* of white noise before its low-pass [log units] */
 } td_v2e_state;
 
-/* v2e_surround.c: the diffuser of horizontal cells, from the last frame to this one. */
+/* Advances the surround, a diffusing sheet of horizontal cells, from the last frame to this one. */
 void td_v2e_surround(const tides_baseline *baseline);
 
-/* v2e_noise.c: one interval's photoreceptor noise, low-passed, into state->noise; shot noise events at `stop`, after which the
- * pixel's reference is its level. */
+/* Computes an interval's low-passed photoreceptor noise, in state->noise; makes shot noise events at `stop`, after which a
+ * pixel's reference equals its level. */
 void td_v2e_photoreceptor_noise(tides_baseline *baseline);
 tides_status td_v2e_shot_noise(tides_baseline *baseline, const double *Y, tides_error *error);
 

@@ -1,4 +1,4 @@
-/* TIDES's own sensor on frames: the logarithm goes in a straight line from one frame to the next. */
+/* TIDES's own sensor model applied to frames, with a straight line of log luminance from each frame to the next. */
 #include "render/td_psf.h"
 #include "td_baseline.h"
 #include "td_math.h"
@@ -7,9 +7,9 @@
 #include <stdlib.h>
 
 typedef struct tides_state {
-    td_sensor sensor; /* made at the first frame, whose time it starts from */
+    td_sensor sensor; /* made at the first frame, and begins at its time */
     td_psf psf;
-    double *S[2]; /* at the last frame and at this one [log units] (pixels) */
+    double *S[2]; /* (pixels) signal at the last frame and at this one [log units] */
 } tides_state;
 
 static void destroy(void *state) {
@@ -31,7 +31,7 @@ static tides_status check(const tides_baseline *b, tides_error *error) {
         return td_fail(error, TIDES_UNSUPPORTED,
                        "sensor: surround_lambda_px isn't available on frames, whose steps have no common pieces; leave it at "
                        "0");
-    /* The sensor itself makes these checks when it is made, at the first frame. */
+    /* The sensor repeats these checks when it is made, at the first frame; here they fail early. */
     td_frontend frontend;
     td_additive_noise noise;
     td_kick kick;
@@ -55,7 +55,7 @@ static tides_status create(tides_baseline *b, tides_error *error) {
     return td_psf_set(&s->psf, sensor->psf_sigma_px, sensor->psf_domain, error);
 }
 
-/* The logarithm of the frame as the optics show it: blurred before the logarithm or after. */
+/* Computes the signal of a frame, blurred by the optics before or after the logarithm. */
 static tides_status take_signal(const tides_baseline *b, const double *Y, double *S, tides_error *error) {
     tides_state *s = b->state;
     const int linear = s->psf.domain == TIDES_PSF_LINEAR;
@@ -86,7 +86,7 @@ static tides_status step(tides_baseline *b, const double *Y, tides_error *error)
     td_step interval;
     tides_status status = td_step_between(b->before, b->now, &interval, error);
     if (status != TIDES_OK) return status;
-    if (interval.stop_ns > interval.start_ns) interval.stop_ns--; /* no two intervals share a nanosecond */
+    if (interval.stop_ns > interval.start_ns) interval.stop_ns--; /* so that no two intervals share a nanosecond */
     status = take_signal(b, Y, s->S[1], error);
     if (status != TIDES_OK) return status;
     const td_signals signals = {.S0 = s->S[0], .S1 = s->S[1]};

@@ -1,5 +1,8 @@
-/* v2e (Hu, Liu, Delbruck, CVPRW 2021): its event emulator. Events of a frame share sub-times, which the pixel with the most
- * events sets for all of them.
+/* v2e's event emulator (Hu, Liu, Delbruck, CVPRW 2021). All events of a frame are at common times, whose number is that of
+ * the pixel with the most events.
+ *
+ * Logarithms, thresholds, references and differences are single precision, because the method takes floor(difference /
+ * threshold): only with v2e's own rounding are the same events made.
  *
  * Logarithms, thresholds, references and differences are single-precision, because floor(difference / threshold) is the
  * method: where v2e's own rounding decides, ours decides alike. */
@@ -11,11 +14,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* v2e's lin-log: logarithmic above 20 DN, linear below. */
+/* v2e's lin-log curve: logarithmic above 20 DN, linear below. */
 #define LINEAR_DN 20.0
-/* Thresholds drawn at random are no lower [log units]. */
+/* Lower bound of randomly drawn thresholds [log units]. */
 #define LEAST_THRESHOLD 0.01f
-/* More events of a pixel in one frame than this are no picture, and would fill memory. */
+/* More events of a pixel in one frame can't come from a picture, and would fill the memory. */
 enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
 
 static void destroy(void *state) {
@@ -85,7 +88,7 @@ static tides_status allocate(tides_baseline *b, td_v2e_state *s, tides_error *er
     return TIDES_OK;
 }
 
-/* Draws the values that a pixel has once for all. */
+/* Draws the constants of each pixel. */
 static void draw_pixels(tides_baseline *b, td_v2e_state *s) {
     const tides_v2e *p = &b->params.v2e;
     for (size_t i = 0; i < b->pixels; i++) {
@@ -117,7 +120,7 @@ static tides_status create(tides_baseline *b, tides_error *error) {
 
 /* -- signal -------------------------------------------------------------------------------------------------------------- */
 
-/* v2e's signals are single-precision unless the photoreceptor is on, whose coefficients make them double. */
+/* v2e's signals are single precision unless the photoreceptor is on, whose coefficients make them double. */
 static double rounded(const tides_v2e *p, double value) { return p->cutoff_hz > 0 ? value : (float)value; }
 
 static float signal(const tides_v2e *p, double Y) {
@@ -139,7 +142,7 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
     return TIDES_OK;
 }
 
-/* One pole that goes with intensity; its step is cut at 1, where it passes everything. */
+/* A one-pole low-pass whose corner depends on intensity. Its step is limited to 1, where it passes everything. */
 static void photoreceptor(tides_baseline *b, const double *Y) {
     const tides_v2e *p = &b->params.v2e;
     td_v2e_state *s = b->state;
@@ -152,7 +155,7 @@ static void photoreceptor(tides_baseline *b, const double *Y) {
     }
 }
 
-/* The reference falls: pixels at rest fire ON. */
+/* Lets the reference fall: pixels at rest fire ON. */
 static void leak(tides_baseline *b) {
     const tides_v2e *p = &b->params.v2e;
     td_v2e_state *s = b->state;
@@ -166,10 +169,10 @@ static void leak(tides_baseline *b) {
     }
 }
 
-/* floor(a / b) of the exact quotient, which division may round up to the next whole number. */
+/* floor of the exact quotient a / b, which a division could round up to the next whole number. */
 static double floor_quotient(double a, double b) { return floor((a - fmod(a, b)) / b + 0.5); }
 
-/* How many events each pixel asks for, and the most of any. */
+/* Counts the events of each pixel, and finds the largest count. */
 static tides_status count_events(tides_baseline *b, uint32_t *most, tides_error *error) {
     const tides_v2e *p = &b->params.v2e;
     td_v2e_state *s = b->state;
@@ -192,11 +195,12 @@ static tides_status count_events(tides_baseline *b, uint32_t *most, tides_error 
 
 /* -- events -------------------------------------------------------------------------------------------------------------- */
 
-/* The j-th of `count` sub-times, j from 1. In single precision as torch.linspace has it: from both ends to the middle. */
+/* The j-th of `count` event times, j from 1. In single precision it is computed as in torch.linspace: from both ends towards
+ * the middle. */
 static double sub_time(const tides_baseline *b, uint32_t j, uint32_t count) {
     double step = (b->now - b->before) / count;
     if (!b->params.v2e.float32_timestamps) return j == count ? b->now : b->before + j * step;
-    float start = (float)(b->epoch + b->before + step), stop = (float)(b->epoch + b->now); /* its times are absolute */
+    float start = (float)(b->epoch + b->before + step), stop = (float)(b->epoch + b->now); /* v2e's times are absolute */
     if (count == 1) return start - b->epoch;
     float part = (stop - start) / (float)(count - 1);
     uint32_t index = j - 1;
@@ -222,7 +226,7 @@ static tides_status fire_at(tides_baseline *b, uint32_t j, double time, int refr
     return TIDES_OK;
 }
 
-/* The reference goes with the events that were kept: what the refractory period took fires later. */
+/* Moves the reference by the kept events. What the refractory period suppressed can fire later. */
 static void move_reference(tides_baseline *b) {
     td_v2e_state *s = b->state;
     for (size_t i = 0; i < b->pixels; i++) {

@@ -6,19 +6,19 @@
 
 #include <math.h>
 
-/* How much less noise a pixel at full intensity has than one in the dark: v2e's shot noise factor. */
+/* v2e's shot noise factor: how much less noise a pixel at full intensity has than one in the dark. */
 #define SHOT_FALL 0.75
-/* Draws of the threshold that v2e averages for its noise level. */
+/* Number of threshold draws that v2e averages for its noise level. */
 enum { LEVEL_DRAWS = 300 };
 
-/* Fit of threshold over noise RMS that gives `rate` events per second at corner frequency `cutoff` (v2e's polynomial in
- * log10). */
+/* v2e's fit (a polynomial in log10): threshold over noise RMS at which `rate` events per second come, with corner frequency
+ * `cutoff`. */
 static double threshold_over_rms(double rate, double cutoff) {
     double x = td_ln(rate / cutoff / 2.0) * 0.43429448190325182765;
     return td_pow(10.0, -0.0026 * x * x * x - 0.036 * x * x - 0.1949 * x + 0.321);
 }
 
-/* Mean of the smaller threshold of a pixel, over pixels. */
+/* Mean over pixels of the smaller of a pixel's thresholds. */
 static double mean_threshold(const tides_baseline *b) {
     const tides_v2e *p = &b->params.v2e;
     if (!(p->sigma_thres > 0)) return fmin(p->pos_thres, p->neg_thres);
@@ -37,7 +37,8 @@ void td_v2e_photoreceptor_noise(tides_baseline *b) {
     td_v2e_state *s = b->state;
     const double two_pi = 6.28318530717958647693;
     double length = b->now - b->before, part = fmin(1.0, length * two_pi * p->cutoff_hz);
-    if (!(fabs(length - s->noise_frame_s) <= 0.1 * length)) { /* v2e too works its level out when the rate changes by 10 % */
+    /* v2e, too, recomputes the level if the frame rate changes by 10 % */
+    if (!(fabs(length - s->noise_frame_s) <= 0.1 * length)) {
         /* White noise of variance 1 leaves the low-pass with variance part / (2 - part). v2e measures that in one random run
          * of 1000 time constants: its level is off by 1.9 % (standard deviation), and its rate of noise by 18 %. */
         double rms = mean_threshold(b) / threshold_over_rms(p->shot_noise_rate_hz, p->cutoff_hz);

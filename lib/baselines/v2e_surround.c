@@ -4,17 +4,17 @@
 #include <math.h>
 #include <string.h>
 
-/* v2e: five Euler steps per time constant, and none any more when no cell moves by more than this [log units]. */
+/* v2e's choices: five Euler steps per time constant; no further step when no cell moves by more than this [log units]. */
 #define STEPS_PER_TAU 5.0
 #define SETTLED 1e-5f
 
-/* Sum of the four neighbours less four times the cell; cells beyond the border equal those on it. */
+/* The sum of the four neighbours minus four times the cell. Cells beyond the border equal those on it. */
 static float laplacian(const float *h, size_t x, size_t y, size_t width, size_t height) {
     size_t left = x ? x - 1 : 0, right = x + 1 < width ? x + 1 : x, up = y ? y - 1 : 0, down = y + 1 < height ? y + 1 : y;
     return h[up * width + x] + h[y * width + left] - 4.0f * h[y * width + x] + h[y * width + right] + h[down * width + x];
 }
 
-/* One Euler step from state->surround to state->scratch; the largest change. */
+/* Makes one Euler step from state->surround to state->scratch; returns the largest change. */
 static float diffuse(td_v2e_state *s, size_t width, size_t height, double drive, double spread) {
     float largest = 0;
     for (size_t y = 0; y < height; y++)

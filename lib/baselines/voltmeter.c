@@ -1,10 +1,10 @@
-/* DVS-Voltmeter (Lin et al., ECCV 2022): the pixel's voltage is a Brownian motion with drift between two frames; it fires where
- * the voltage reaches +1 or -1, at a random hitting time.
+/* DVS-Voltmeter (Lin et al., ECCV 2022): between two frames the pixel's voltage is a Brownian motion with drift. It fires
+ * when the voltage reaches +1 or -1, at a random hitting time.
  *
- * Kept: the barrier is chosen first, and the time is that of the chosen barrier alone. Not kept, since the original has it
- * wrong: without drift the chance of a barrier goes by its distance (it takes 0.5); against the drift the hitting time given a
- * hit is that with the drift reversed (it takes a truncated normal); times are doubles (float32 and int32 microseconds there);
- * without noise there are events (NaN there). */
+ * As in the original, the barrier is chosen first, and the time is drawn for the chosen barrier alone. Four errors of the
+ * original are corrected. Without drift, the chance of a barrier depends on its distance (original: 0.5). Against the drift,
+ * the hitting time is that with the drift reversed (original: a truncated normal). Times are doubles (original: float32 and
+ * int32 microseconds). Without noise there are events (original: NaN). */
 #include "td_baseline.h"
 
 #include "td_math.h"
@@ -13,16 +13,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A pixel that fires more often in a frame has parameters that mean nothing. */
+/* More events of a pixel in one frame mean nonsensical parameters. */
 enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
 
 typedef struct voltmeter_state {
-    double *voltage; /* between the barriers -1 and 1, 0 at first (pixels) */
+    double *voltage; /* (pixels) between the barriers -1 and 1; 0 at first */
     double *last;    /* DN of the last frame (pixels) */
-    uint64_t *draws; /* random numbers used up (pixels) */
+    uint64_t *draws; /* (pixels) random numbers used so far */
 } voltmeter_state;
 
-/* One pixel's motion in one interval, in microseconds. */
+/* Motion of a pixel in an interval; the unit of time is 1 us. */
 typedef struct motion {
     double drift, sigma; /* [1/us], [1/sqrt(us)] */
 } motion;
@@ -68,8 +68,8 @@ static motion motion_of(const tides_voltmeter *p, double L0, double L1, double l
                     p->k3 * sqrt(mean) / (mean + p->k2) + p->k6};
 }
 
-/* Chance that +1, `up` away, is reached before -1, `down` away: (e^(2 m B) - 1) / (e^(2 m B) - e^(-2 m A)) with m = drift /
- * sigma^2, written so that nothing overflows. */
+/* Probability that +1, at distance `up`, is reached before -1, at distance `down`: (e^(2 m B) - 1) / (e^(2 m B) - e^(-2 m A))
+ * with m = drift / sigma^2, A = up and B = down, in a form that can't overflow. */
 static double chance_up(const motion *at, double up, double down) {
     double m = 2 * at->drift / (at->sigma * at->sigma);
     if (at->drift > 0) return td_expm1(-m * down) / td_expm1(-m * (up + down));
@@ -77,8 +77,8 @@ static double chance_up(const motion *at, double up, double down) {
     return down / (up + down);
 }
 
-/* Chance that a normal number is below x, to 1e-15: its density times a series of x (Marsaglia, Journal of Statistical Software
- * 11(4), 2004). */
+/* Probability that a standard normal number is below x, to 1e-15: the density times a series in x (Marsaglia, Journal of
+ * Statistical Software 11(4), 2004). */
 static double chance_below(double x) {
     if (fabs(x) > 8.5) return x > 0;
     double term = x, sum = 0;
@@ -89,8 +89,9 @@ static double chance_below(double x) {
     return 0.5 + 0.39894228040143267794 * td_exp(-0.5 * x * x) * sum;
 }
 
-/* Time until a barrier `away` is reached, given that it is: inverse Gaussian of mean away / |drift| and shape (away / sigma)^2,
- * drawn as Michael, Schucany and Haas (1976) do, with the smaller root written without cancellation; Levy's without drift. */
+/* Time until a barrier at distance `away` is reached, given that it is: inverse Gaussian with mean away / |drift| and shape
+ * (away / sigma)^2. The method is that of Michael, Schucany and Haas (1976), with the smaller root in a form without
+ * cancellation. Without drift it is Levy's distribution. */
 static double hitting_time(const motion *at, double away, const td_random_bits *bits) {
     double normal[2], mean = away / fabs(at->drift), shape = away / at->sigma * (away / at->sigma);
     td_random_normals(bits, normal);
@@ -98,7 +99,7 @@ static double hitting_time(const motion *at, double away, const td_random_bits *
     if (!(fabs(at->drift) > 0)) return shape / chi;
     double w = isinf(shape) ? 0.0 : mean * chi / (2 * shape);
     double small = mean / (1 + w + sqrt(w * (2 + w)));
-    /* The uniform comes from the other normal: its own distribution function. */
+    /* The second normal number gives the uniform one, by its distribution function. */
     return chance_below(normal[1]) <= mean / (mean + small) ? small : mean * (mean / small);
 }
 
@@ -117,7 +118,7 @@ static tides_status step_pixel(tides_baseline *b, size_t i, double length_us, co
         td_random_bits bits = td_random(b->params.seed, (uint32_t)i, s->draws[i]++, TD_RANDOM_VOLTMETER_HIT);
         int polarity = td_random_uniform(&choice, 0) <= chance_up(at, up, down) ? 1 : -1;
         double away = polarity > 0 ? up : down, hit = hitting_time(at, away, &bits);
-        if (!(t + hit < length_us)) { /* not in this interval: as far as a straight line gets */
+        if (!(t + hit < length_us)) { /* beyond this interval: moves along a straight line */
             if (hit > 0) s->voltage[i] += polarity * away * (length_us - t) / hit;
             return TIDES_OK;
         }

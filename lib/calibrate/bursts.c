@@ -1,4 +1,4 @@
-/* Bursts that the readout of frames makes, marked in the stretch that is calibrated from (td_bursts.h). */
+/* Marks the bursts that the readout of frames makes in the stretch from which a sensor is calibrated. */
 #include "td_calibrate.h"
 
 void td_bursts_mark(td_taken *taken) {

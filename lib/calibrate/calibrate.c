@@ -1,13 +1,13 @@
-/* A sensor from its recording, step by step:
+/* Measures a sensor from its recording, step by step:
  *
- *   recording.c, bursts.c   the stretch's events by pixel; those of frames' readout marked
- *   light.c                 Y of pixels with events, where it moves at most 0.008 log units off straight lines
+ *   recording.c, bursts.c   the stretch's events by pixel; those of frames' readout are marked
+ *   light.c                 Y of pixels with events, sampled so that lines between samples are within 0.008 log units
  *   pairs.c, changes.c      by how much the low-passed logarithm moved from event to event
  *   fit.c                   the front end by which these changes agree best
- *   spread.c, noise.c       mismatch, transitions, hot and dead pixels; leak and noise of what rests
- *   correct.c               what a simulation with all that is measured as, taken off
+ *   spread.c, noise.c       mismatch, transitions, hot and dead pixels; leak and noise of pixels at rest
+ *   correct.c               the method's bias, found by a simulation, is subtracted
  *   part.c, doubt.c         error bars
- *   verdict.c               what can't be believed, and why */
+ *   verdict.c               which values can't be trusted, and why */
 #include "td_calibrate.h"
 
 #include "td_struct.h"
@@ -61,7 +61,7 @@ static void note_counts(const td_calibration *c, tides_calibration *found) {
     found->samples = (int32_t)c->light.samples;
 }
 
-/* Whether there is enough to simulate with. */
+/* 1 where the fit is good enough to simulate with. */
 static int32_t is_sound(const td_calibration *c) { return c->fit.on > 0.005 && c->fit.off > 0.005 && c->fit.agreement > 0.7; }
 
 static tides_status work(const char *recording, tides_session *session, td_calibration *c, tides_calibration *found,

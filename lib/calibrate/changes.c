@@ -6,25 +6,25 @@
 
 #include <math.h>
 
-#define SETTLES 8.0 /* time constants that a filter has before its first event */
+#define SETTLES 8.0 /* a filter begins so many time constants before its first event */
 
-/* As v2e has it (tides/sensor.h): the cutoff goes with (255 Y + 20) / 275. */
+/* The pole's time constant in light Y; by v2e's law the cutoff is proportional to (255 Y + 20) / 275. */
 static double pole_at(const td_front *front, float Y) {
     return front->law ? front->pole_s * 275 / (255 * (double)Y + 20) : front->pole_s;
 }
 
-/* A filter on its way through one pixel's samples. */
+/* A filter on its way along one pixel's samples. */
 typedef struct walk {
     const td_light *light;
     const td_front *front;
     const float *L, *Y;
-    size_t at;     /* the sample behind it */
-    double signal; /* there */
+    size_t at;     /* the next sample */
+    double signal; /* the filter's output at the time reached */
 } walk;
 
 static double settled_for(const td_front *front) { return front->law ? pole_at(front, 0) : front->pole_s; }
 
-/* The sample before `time`, or the first. */
+/* The last sample before `time`, or the first of all. */
 static size_t sample_before(const td_light *light, double time) {
     size_t low = 0, high = light->samples - 1;
     while (high - low > 1) {
@@ -37,7 +37,7 @@ static size_t sample_before(const td_light *light, double time) {
     return low;
 }
 
-/* Starts at rest long enough before `from`; logarithms are taken up to `to` alone. */
+/* Starts the filter at rest, long enough before `from`. Logarithms are computed up to `to` only. */
 static walk begin(td_light *light, size_t place, const td_front *front, double from, double to) {
     walk w = {.light = light, .front = front, .L = light->line, .Y = light->Y + place * light->samples};
     const size_t last = sample_before(light, to) + 1;
@@ -57,7 +57,7 @@ static double tau_here(const walk *w) {
     return w->front->law ? pole_at(w->front, 0.5f * (w->Y[w->at] + w->Y[w->at + 1])) : w->front->pole_s;
 }
 
-/* The signal at `time`, which doesn't go back; NaN where light isn't known. */
+/* Advances to `time`, which is never before the last one, and returns the signal; NaN where light isn't known. */
 static double walk_to(walk *w, double time) {
     const td_light *light = w->light;
     if (time < light->time[0] || time >= light->time[light->samples - 1]) return NAN;
@@ -76,7 +76,7 @@ static void prepare(td_light *light, const td_front *front) {
         light->decay[i] = front->pole_s > 0 ? td_exp(-(light->time[i + 1] - light->time[i]) / front->pole_s) : 0;
 }
 
-/* When the last of the pairs of this one's pixel ends. */
+/* When the last pair of the pixel of pair `at` ends [s]. */
 static double pixels_end(const td_pairs *pairs, size_t at) {
     size_t last = at;
     while (last + 1 < pairs->count && pairs->list[last + 1].place == pairs->list[at].place) last++;

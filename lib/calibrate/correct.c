@@ -1,25 +1,26 @@
-/* Removes the bias of the calibration's method. The recording's light goes through TIDES's own pixels with the values found,
- * and their events are measured in the same way. The difference is the method's own doing, and is subtracted. */
+/* Removes the bias of the calibration's method. The recording's light goes through TIDES' own pixels with the values found, and
+ * their events are measured in the same way. The difference between values put in and values measured is the method's bias, and
+ * is subtracted. */
 #include "td_calibrate.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUNDS = 3, RATE_BINS = 20 /* bins to one of the rates: 5 ms */ };
-#define SETTLED 0.01 /* a hundredth of a threshold */
+enum { ROUNDS = 3, RATE_BINS = 20 /* bins of the recording's rate for one of the rates compared: 5 ms */ };
+#define SETTLED 0.01 /* [thresholds] corrections below this end the rounds */
 
 typedef struct simulated {
     const td_calibration *c;
     td_taken taken;
     td_pairs pairs;
     size_t capacity;
-    int32_t width; /* of the pixels as an image */
+    int32_t width; /* of the image that the pixels are arranged in */
     tides_error *error;
     tides_status status;
 } simulated;
 
-/* Events of pixel number y * width + x of the light, at their own place. */
+/* Keeps simulated events. Pixel number y * width + x of the light gets its own place in the image back. */
 static int keep(void *user, const tides_event *events, size_t count) {
     simulated *s = user;
     td_taken *t = &s->taken;
@@ -57,7 +58,7 @@ static void describe(const td_calibration *c, const tides_calibration *found, ti
     p->sensor.photoreceptor_law = c->fit.front.law;
 }
 
-/* The light's samples as frames, as many pixels wide as an image may be. */
+/* Pushes the light's samples as frames, with the pixels arranged as an image of an allowed width. */
 static tides_status push_all(simulated *s, tides_baseline *baseline, double *Y, tides_error *error) {
     const td_light *light = &s->c->light;
     const double zero = 1e-9 * (double)s->taken.start_ns;
@@ -122,7 +123,8 @@ static tides_status rates(const simulated *s, tides_calibration *found, tides_er
 
 /* -- rounds ---------------------------------------------------------------------------------------------------------------- */
 
-/* `again` is what a simulation with `c->fit` was measured as, `target` what the recording was: how far off, in thresholds. */
+/* Corrects c->fit by the difference between `target`, the recording's measurement, and `again`, that of a simulation with
+ * c->fit. Returns the difference in thresholds. */
 static double take_off(td_calibration *c, const td_fit *target, const td_fit *again) {
     td_front *f = &c->fit.front;
     const double off = fmax(fabs(again->on / target->on - 1), fabs(again->off / target->off - 1));

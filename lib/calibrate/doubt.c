@@ -8,7 +8,7 @@
 
 enum { HALVES = 12 };
 
-/* The values of a fit, in the order of TIDES_CALIBRATED_*; the rest are others'. */
+/* The values of a fit, in the order of TIDES_CALIBRATED_*. Values that other parts measure aren't set. */
 static void values_of(const td_fit *fit, double value[TIDES_CALIBRATED_VALUES]) {
     for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++) value[i] = NAN;
     value[TIDES_CALIBRATED_ON] = fit->on;
@@ -69,7 +69,7 @@ static tides_status scatter(td_calibration *c, const td_fit *whole, tides_calibr
     return TIDES_OK;
 }
 
-/* Deviation as one parameter moves and the rest stay. */
+/* The deviation as one parameter varies and the others stay. */
 static void scan(td_calibration *c, const td_fit *whole, tides_calibration *found) {
     const double pole_to = 2 * whole->front.pole_s + 4e-3, eps_to = 2 * whole->front.log_eps + 0.02;
     for (int32_t i = 0; i < TIDES_CALIBRATION_SCAN; i++) {

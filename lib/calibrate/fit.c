@@ -1,5 +1,5 @@
-/* The front end by which changes agree best, found without a place to begin: a grid over black level and pole, the clocks'
- * offset over +-60 ms, and a simplex (Nelder and Mead 1965) from there. */
+/* The front end by which changes agree best, found without a starting point: a grid over black level and pole, the clocks'
+ * offset over +-60 ms, and a simplex (Nelder and Mead 1965) from the best of these. */
 #include "td_calibrate.h"
 #include "td_math.h"
 
@@ -9,19 +9,19 @@
 
 enum { PARAMETERS = 4, POINTS = PARAMETERS + 1, STEPS = 80, STEPS_OF_PART = 30 };
 #define CLIP 1.5
-#define EPS_SHIFT 0.004 /* in whose logarithm black levels are moved: below it they are alike */
-#define POLE_SHIFT 1e-3 /* [s] the same of poles */
-#define FAR_S 0.06      /* offsets that are tried */
-#define FEW 20          /* pairs */
-#define CLOSE 2e-4      /* of the misfit: a simplex that is no higher than this is done, */
+#define EPS_SHIFT 0.004 /* black levels o are varied as ln(o + this): smaller ones are alike */
+#define POLE_SHIFT 1e-3 /* [s] poles likewise */
+#define FAR_S 0.06      /* [s] greatest offset tried */
+#define FEW 20          /* pairs: with fewer there is no median */
+#define CLOSE 2e-4      /* of the misfit: the simplex ends when its corners differ by less */
 #define CLOSE_OF_PART 1e-3
-#define OFFSET_GAIN 1.05 /* by how much an offset must better the misfit, */
+#define OFFSET_GAIN 1.05 /* factor by which an offset must improve the misfit, */
 #define LAW_GAIN 0.98    /* and a pole that goes with light */
 
 /* -- how well changes agree ------------------------------------------------------------------------------------------------ */
 
-/* Puts the `rank`-th smallest in its place, what is smaller before it: Hoare's selection, which a sort would take ten times as
- * long for. */
+/* Hoare's selection: puts the `rank`-th smallest number in its place, and smaller ones before it. A sort would take ten times
+ * as long. */
 static double select_rank(double *x, size_t count, size_t rank) {
     size_t low = 0, high = count - 1;
     while (low < high) {
@@ -43,7 +43,7 @@ static double select_rank(double *x, size_t count, size_t rank) {
     return x[rank];
 }
 
-/* The median of the changes of a polarity, the upper one of two; NaN of few. */
+/* The median of a polarity's changes (of an even number the upper one); NaN for few changes. */
 static double median(const td_pairs *pairs, int8_t polarity) {
     size_t count = 0;
     for (size_t i = 0; i < pairs->count; i++)
@@ -53,9 +53,9 @@ static double median(const td_pairs *pairs, int8_t polarity) {
 
 double td_usual(const td_fit *fit, int8_t polarity) { return polarity > 0 ? fit->on : fit->off; }
 
-/* Squares: light that is blurred or wrong makes changes too small, those of short intervals most, and by their absolute values
- * these would be what the rest is told by. On slider_depth, against values that were measured otherwise: 0.6 % high by squares,
- * 4 % low by absolute values. Pairs whose light isn't known fit worst, or offsets that leave few would fit best. */
+/* The misfit is by squares. Blurred or wrong light makes changes too small, most of all those of short intervals, and by
+ * absolute values these would dominate. On slider_depth, against values measured otherwise, squares are 0.6 % high and absolute
+ * values 4 % low. Pairs whose light isn't known count as the worst misfit; otherwise offsets that leave few pairs would win. */
 void td_judge(td_pairs *pairs, td_fit *fit) {
     size_t count = 0, agree = 0, lost = 0;
     double sum = 0, squares = 0;
@@ -131,7 +131,7 @@ static int by_value(const void *a, const void *b) {
     return (p->value > q->value) - (p->value < q->value);
 }
 
-/* The point centre + by (worst - centre). */
+/* The corner at centre + by (worst - centre). */
 static corner moved(search *s, const corner *c, const double *centre, double by) {
     corner m = {.value = 0};
     for (int32_t i = 0; i < s->count; i++) m.x[i] = centre[i] + by * (c[s->count].x[i] - centre[i]);
@@ -215,7 +215,7 @@ static void look_for_offset(td_calibration *c, td_fit *best) {
     }
 }
 
-/* The front end with every given value in place; given values aren't free in the fit. */
+/* The front end with all given values set. Given values aren't fitted. */
 static td_front given_front(td_calibration *c) {
     const double *g = c->options->given;
     td_front front = {.log_eps = 0.02, .law = TIDES_PHOTORECEPTOR_CONSTANT};
@@ -245,14 +245,15 @@ static void rough(td_calibration *c, td_fit *fit, int32_t free) {
     td_refine(&c->light, &c->pairs, fit, free, c->longest_refractory_s, &half);
 }
 
-/* A delay and a pole do nearly the same, and no run has a delay: one is taken where it makes a difference that lasts. */
+/* Takes the best offset only if it improves the fit clearly. A delay and a pole have nearly the same effect, and a simulation
+ * has no delay. */
 static void settle_offset(td_calibration *c, td_fit *best) {
     td_fit held = *best;
     c->offset_s = best->front.offset_s;
     if (!(c->free & TD_FREE_OFFSET)) return;
     held.front.offset_s = 0;
     held.misfit = INFINITY;
-    look_around(c, &held); /* the best pole beside none may be far from the one beside an offset */
+    look_around(c, &held); /* without an offset the best pole may be far away */
     rough(c, &held, c->free & ~TD_FREE_OFFSET);
     rough(c, &held, c->free & ~TD_FREE_OFFSET);
     if (held.misfit > OFFSET_GAIN * best->misfit) return;
@@ -260,7 +261,7 @@ static void settle_offset(td_calibration *c, td_fit *best) {
     *best = held;
 }
 
-/* A pole that goes with light, where it fits better. */
+/* Takes a pole that goes with light where it fits better. */
 static void settle_law(td_calibration *c, td_fit *best) {
     td_fit with_light = *best;
     if (!(c->free & TD_FREE_POLE) || best->front.pole_s <= 0) return;

@@ -1,5 +1,5 @@
-/* Light of the pixels that have events, at times between which ln(Y) is near enough to straight: rendered where the run has a
- * scene, else the frames. */
+/* Light of the pixels that have events, sampled so often that ln(Y) is nearly straight between samples. It is rendered where
+ * the run has a scene, else read from its frames. */
 #include "td_calibrate.h"
 #include "td_math.h"
 #include "td_random.h"
@@ -9,17 +9,17 @@
 #include <string.h>
 
 enum {
-    PIXELS_MOST = 12000,    /* whose light is kept: some 50 000 pairs say what there is to be said */
-    VALUES_MOST = 60000000, /* pixels x samples: 240 MB, twice while they are turned */
-    LEVELS = 3,             /* how often a step of STEP_S is halved, at most: 0.25 ms */
-    PURPOSE = 200           /* of td_random: which pixels */
+    PIXELS_MOST = 12000,    /* whose light is kept: they give some 50 000 pairs, which are enough */
+    VALUES_MOST = 60000000, /* pixels x samples: 240 MB, twice while they are transposed */
+    LEVELS = 3,             /* greatest number of halvings of a step of STEP_S: down to 0.25 ms */
+    PURPOSE = 200           /* of td_random: to choose pixels */
 };
 #define STEP_S 2e-3
-#define BENT 0.008 /* [log units] that the middle of a step may be off a straight line, */
-#define SHARE 0.02 /* in more than so many of the pixels, before it is halved */
-#define DARK 0.02  /* black level in that: nothing is known of it yet */
+#define BENT 0.008 /* [log units] a step is halved where its middle is farther off a straight line, */
+#define SHARE 0.02 /* in more than this share of the pixels */
+#define DARK 0.02  /* black level assumed for that: it isn't known yet */
 
-/* Samples in order of time, pixels as the light has them. */
+/* Samples in order of time, each with the chosen pixels in their order. */
 typedef struct rows {
     td_calibration *c;
     tides_renderer *renderer;
@@ -27,14 +27,14 @@ typedef struct rows {
     float **row;
     double *time;
     size_t count, capacity, times_capacity;
-    double from, to; /* for progress */
+    double from, to; /* for progress reports */
 } rows;
 
 static tides_status told(const rows *r, double time, tides_error *error) {
     return td_calibrate_told(r->c, 0.04 + 0.46 * (time - r->from) / (r->to - r->from), "looking at the light", error);
 }
 
-/* The chosen pixels of the frame in r->Y as an allocated row; what all pixels reach within the stretch. */
+/* Makes a row of the chosen pixels from the frame in r->Y, and updates the range of all pixels within the stretch. */
 static float *row_of(rows *r, double time, tides_error *error) {
     td_light *light = &r->c->light;
     float *row = td_alloc(light->count, sizeof *row, error);
@@ -59,7 +59,7 @@ static tides_status render(rows *r, double time, float **row, tides_error *error
     return *row ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-/* Keeps a row, which becomes the samples'. */
+/* Keeps a row as the next sample, and owns it from then on. */
 static tides_status keep(rows *r, double time, float *row, tides_error *error) {
     tides_status status = td_reserve((void **)&r->row, &r->capacity, r->count + 1, sizeof *r->row, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->time, &r->times_capacity, r->count + 1, sizeof *r->time, error);
@@ -77,12 +77,12 @@ static int32_t is_bent(const rows *r, const float *a, const float *mid, const fl
     size_t bent = 0;
     for (size_t i = 0; i < n; i++) {
         const float off = (a[i] + (float)DARK) * (b[i] + (float)DARK) / ((mid[i] + (float)DARK) * (mid[i] + (float)DARK));
-        bent += fabs(0.5 * td_ln((double)off)) > BENT; /* mean of the ends' logarithms, less the middle's */
+        bent += fabs(0.5 * td_ln((double)off)) > BENT; /* the middle against the mean of the ends' logarithms */
     }
     return (double)bent > SHARE * (double)n;
 }
 
-/* Keeps the rows within (t0, t1); the caller keeps both ends. `b` is the later end's row. */
+/* Keeps the rows needed within (t0, t1); the caller keeps both ends. `a` and `b` are the ends' rows. */
 static tides_status between(rows *r, const float *a, double t0, const float *b, double t1, int32_t level, tides_error *error) {
     const double mid = 0.5 * (t0 + t1);
     float *row = NULL;
@@ -135,7 +135,7 @@ static tides_status sample_frames(rows *r, tides_error *error) {
 
 /* -- which pixels ---------------------------------------------------------------------------------------- */
 
-/* Pixels with two events that aren't of bursts, drawn by chance where there are too many. */
+/* Chooses pixels with two events outside of bursts, at random where there are too many. */
 static tides_status choose(td_calibration *c, size_t most, tides_error *error) {
     const td_taken *t = &c->taken;
     const size_t pixels = (size_t)t->width * (size_t)t->height;
@@ -152,7 +152,7 @@ static tides_status choose(td_calibration *c, size_t most, tides_error *error) {
         if (!good[p]) continue;
         const td_random_bits bits = td_random(c->options->seed, (uint32_t)p, 0, PURPOSE);
         const double u = td_random_uniform(&bits, 0);
-        if (u * (double)count < (double)(most - kept)) c->light.pixel[kept++] = (uint32_t)p; /* sampled without replacement */
+        if (u * (double)count < (double)(most - kept)) c->light.pixel[kept++] = (uint32_t)p; /* sampling without replacement */
         count--;
     }
     c->light.count = kept;
@@ -183,7 +183,7 @@ static tides_status room(td_calibration *c, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Rows become columns: a pixel's samples stand together. */
+/* Transposes rows: the samples of a pixel become neighbours. */
 static tides_status turn(rows *r, tides_error *error) {
     td_light *light = &r->c->light;
     light->samples = r->count;

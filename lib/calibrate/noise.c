@@ -1,5 +1,5 @@
-/* Events that light didn't make: those of pixels whose light rests, and whose neighbours' does; or of a recording of a still
- * scene. Leak makes ON events; shot noise both, 0.736 fewer at Y = 1 than in the dark (tides/sensor.h). */
+/* Events without a cause in the light: those of pixels whose light and neighbours' light rest, or all events of a still scene's
+ * recording. Leak makes ON events. Shot noise makes both, 0.736 fewer at Y = 1 than in the dark. */
 #include "td_calibrate.h"
 
 #include "td_math.h"
@@ -8,14 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { AROUND = 3 /* px: how far things may be from where the light has them */ };
-#define STILL 0.08      /* log units that the light of a pixel at rest moves by, at most */
-#define FEW_S 30.0      /* pixel seconds of rest, below which nothing is said */
-#define SHOT_DROP 0.736 /* as above */
-#define HOT_HZ 20.0     /* of a still recording: pixels above aren't noise's */
+enum { AROUND = 3 /* px: how far edges may be from where the light has them */ };
+#define STILL 0.08      /* log units by which the light of a pixel at rest may vary */
+#define FEW_S 30.0      /* pixel seconds of rest, below which nothing is measured */
+#define SHOT_DROP 0.736 /* shot noise at Y = 1: so much less than in the dark */
+#define HOT_HZ 20.0     /* of a still recording: pixels above count as hot */
 
 typedef struct rest {
-    double seconds, light; /* pixel seconds, and the mean light of them */
+    double seconds, light; /* pixel seconds; mean light of these pixels */
     uint64_t on, off, pixels;
 } rest;
 
@@ -86,7 +86,7 @@ static tides_status count_still(const td_calibration *c, uint32_t *on, uint32_t 
     return status;
 }
 
-/* A still scene's light isn't known: what shot noise there is, is taken to be that of the dark. */
+/* Measures a still scene's recording. Its light isn't known, so that shot noise counts as that of the dark. */
 static tides_status of_recording(const td_calibration *c, rest *r, tides_error *error) {
     const size_t pixels = (size_t)c->taken.width * (size_t)c->taken.height;
     uint32_t *on = td_alloc(pixels, sizeof *on, error), *off = td_alloc(pixels, sizeof *off, error);
@@ -113,7 +113,7 @@ static void set(tides_calibrated *v, double value, double error) {
     v->state = value > 2 * error ? TIDES_CALIBRATED_MEASURED : TIDES_CALIBRATED_BOUND;
 }
 
-/* ON events are leak's and half of shot noise's, OFF events the other half. More OFF than ON is nothing that a run has. */
+/* OFF events are half of shot noise's, ON events the other half and leak's. No parameters give more OFF than ON events. */
 static tides_status values(const rest *r, tides_calibration *found, tides_error *error) {
     const double on = (double)r->on / r->seconds, off = (double)r->off / r->seconds, dimmer = 1 - SHOT_DROP * fmin(r->light, 1);
     const double on_error = sqrt((double)r->on + 1) / r->seconds, off_error = sqrt((double)r->off + 1) / r->seconds;

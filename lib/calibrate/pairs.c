@@ -41,8 +41,8 @@ void td_pairs_free(td_pairs *pairs) {
     memset(pairs, 0, sizeof *pairs);
 }
 
-/* Shortest interval but for one in a thousand, which may be noise, since a refractory period holds up noise as well, or two
- * pixels' events on one address. */
+/* The shortest interval, except for one in a thousand. Those may be two pixels' events on one address: within a refractory
+ * period noise doesn't fire either. */
 double td_shortest_interval(const td_pairs *pairs) {
     for (size_t i = 0; i < pairs->count; i++) pairs->room[i] = pairs->list[i].to - pairs->list[i].from;
     qsort(pairs->room, pairs->count, sizeof *pairs->room, td_ascending);

@@ -1,4 +1,4 @@
-/* A calibration as a preset: values with where they come from, in the format that lib/run reads. */
+/* Writes a calibration as a preset: values and their sources, in the format that run files use. */
 #include "td_calibrate.h"
 #include "td_text.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* "measured: threshold_on 0.573 +- 0.012 log units; halves of the time 0.565 and 0.583 ..." */
+/* Writes the source, such as "measured: threshold_on 0.573 +- 0.012 log units; halves of the time 0.565 and 0.583 ...". */
 static void source_of(const tides_calibrated *v, const tides_calibrated_row *row, char *text, size_t size) {
     if (v->state == TIDES_CALIBRATED_GIVEN) {
         snprintf(text, size, "given");
@@ -21,14 +21,14 @@ static void source_of(const tides_calibrated *v, const tides_calibrated_row *row
                  v->late, v->left, v->right);
 }
 
-/* Six digits are more than was measured, and read well. */
+/* A number rounded to six digits: more than was measured, and readable. */
 static cJSON *number(double value) {
     char text[32];
     snprintf(text, sizeof text, "%.6g", value);
     return cJSON_CreateNumber(strtod(text, NULL));
 }
 
-/* Adds "key": {"value": .., "kind": .., "source": ..} to the group that the key names; `value` becomes its. */
+/* Adds "key": {"value": .., "kind": .., "source": ..} to the group that the key names, and takes `value` over. */
 static cJSON *add(cJSON *root, const char *key, cJSON *value, const char *source) {
     char group[32];
     const char *dot = strchr(key, '.');

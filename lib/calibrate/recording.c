@@ -1,5 +1,5 @@
-/* The recording's part that is calibrated from: the stretch, its events by pixel. Files are read twice: how many events there
- * are when, then those of the stretch. */
+/* Reads the stretch of a recording from which a sensor is calibrated, and sorts its events by pixel. Files are read twice:
+ * first for the number of events per bin of time, then for the events of the stretch. */
 #include "td_calibrate.h"
 
 #include <float.h>
@@ -11,18 +11,18 @@ enum {
     BATCH = 8192,
     EVENTS_MOST = 12000000 /* 200 MB of them */
 };
-#define LONGEST_S 1.0     /* of a stretch that nobody chose: some 700 renders a second */
-#define COUNTED_S 20000.0 /* light and recording in common: as many bins as 300 MB hold */
+#define LONGEST_S 1.0     /* [s] of a stretch that the user didn't choose: some 700 renders per second of it */
+#define COUNTED_S 20000.0 /* [s] greatest time common to light and recording: its bins need 300 MB */
 
 typedef struct counter {
     td_calibration *c;
     const char *path;
-    uint32_t *bins; /* of TD_BIN_S from start_ns on */
+    uint32_t *bins; /* events in bins of TD_BIN_S from start_ns on */
     size_t count;
     int64_t start_ns;
-    int32_t keep; /* 1: events are taken */
+    int32_t keep; /* 1: events are kept, 0: counted */
     size_t capacity;
-    int64_t first_ns, last_ns; /* of the file */
+    int64_t first_ns, last_ns; /* of the file's events */
 } counter;
 
 static int32_t counts(const tides_calibrate_options *o, const tides_event *e) {
@@ -72,7 +72,7 @@ static tides_status visit(counter *k, tides_error *error) {
     return status;
 }
 
-/* The busiest `length` bins; their first. */
+/* The first of the `length` consecutive bins that have the most events. */
 static size_t busiest(const counter *k, size_t length, uint64_t *events) {
     uint64_t sum = 0, most = 0;
     size_t at = 0;
@@ -87,7 +87,7 @@ static size_t busiest(const counter *k, size_t length, uint64_t *events) {
     return at;
 }
 
-/* Chooses the stretch where no time is given: the busiest second, or less where that has more events than there is room for. */
+/* Chooses the stretch where no time is given: the busiest second, or less if that has more events than EVENTS_MOST. */
 static void choose_stretch(counter *k) {
     td_taken *t = &k->c->taken;
     const double bin_ns = TD_BIN_S * 1e9;
@@ -131,7 +131,7 @@ static int64_t clamped_ns(double seconds) {
     return ns < -9.2e18 ? -9200000000000000000LL : ns > 9.2e18 ? 9200000000000000000LL : (int64_t)llround(ns);
 }
 
-/* The interval that light and options have in common. Where it has no end, bound_by_file takes the recording's. */
+/* The interval common to light and options. If it has no end, bound_by_file uses the recording's. */
 static tides_status common_time(counter *k, double light_start, double light_stop, tides_error *error) {
     td_taken *t = &k->c->taken;
     const tides_calibrate_options *o = k->c->options;
@@ -153,7 +153,7 @@ static tides_status no_events(const counter *k, tides_error *error) {
                    k->c->options->width > 0 ? " in the region" : "", start, stop);
 }
 
-/* Ends an interval of COUNTED_S or more with the recording's own time: a still scene's light is known for ever. */
+/* Bounds an interval of COUNTED_S or more by the recording's own time: a still scene's light has no end. */
 static tides_status bound_by_file(counter *k, tides_error *error) {
     td_taken *t = &k->c->taken;
     tides_event_reader *reader = NULL;

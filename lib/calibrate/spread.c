@@ -1,5 +1,5 @@
-/* Spreads of the pairs beyond their medians: by transition, from pixel to pixel, over the image. Also finds pixels that don't
- * follow the light. */
+/* Spreads of the pairs about their medians: by transition of polarity, from pixel to pixel, over the image. Also finds hot and
+ * dead pixels. */
 #include "td_calibrate.h"
 #include "td_math.h"
 #include "td_sort.h"
@@ -9,9 +9,9 @@
 #include <string.h>
 
 enum { TILE = 4, TILE_PAIRS = 6, HOT_EVENTS = 20, FEW_NEIGHBOURS = 100 };
-#define CLIP 0.8      /* of deviations from the median: what is further off isn't the threshold's doing */
-#define HOT_TIMES 4.0 /* more events than its light has thresholds */
-#define DEAD_CHANGE 3 /* thresholds that light moved by without an event */
+#define CLIP 0.8      /* greatest relative deviation from the median that counts: others have other causes */
+#define HOT_TIMES 4.0 /* a hot pixel has so many times the events that its light gives */
+#define DEAD_CHANGE 3 /* a dead pixel's light has moved by so many thresholds without an event */
 
 static int32_t is_known(const td_pairs *pairs, size_t i) { return isfinite(pairs->change[i]); }
 
@@ -37,7 +37,7 @@ static void transitions(td_calibration *c, tides_calibration *found) {
  * and j is twice the variance of thresholds in the mean. */
 
 typedef struct half_means {
-    double a, b; /* NaN: no pair in that half */
+    double a, b; /* means of both halves; NaN: no pair */
 } half_means;
 
 static half_means means_of(const td_calibration *c, size_t from, size_t to, int8_t polarity) {
@@ -116,7 +116,7 @@ static tides_status map(const td_calibration *c, tides_calibration *found, tides
 
 /* -- pixels that don't do as light does ------------------------------------------------------------------------------------ */
 
-/* The way that a pixel's logarithm goes, up and down together. */
+/* The total way of a pixel's logarithm, up and down together. */
 static double way_of(const td_light *light, size_t place, double log_eps) {
     const float *Y = light->Y + place * light->samples;
     double way = 0;

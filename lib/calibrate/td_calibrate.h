@@ -1,9 +1,10 @@
-/* Internal: a sensor measured from a recording and the light that it saw. calibrate.c says what comes after what.
+/* Internal: a sensor measured from a recording and the light that it saw.
  *
- * Between two successive events of a pixel the low-passed ln(Y + o) has moved by the threshold of the second one, whichever
- * came before. A model of the front end (td_front) is right where these changes agree; what they agree on are the thresholds.
+ * Between two successive events of a pixel the low-passed ln(Y + o) moves by the threshold of the second one, whichever came
+ * before. o is the black level. A model of the front end (td_front) is right if these changes agree; their common value is the
+ * threshold.
  *
- * Times are seconds since the stretch's start. */
+ * Times are seconds since the start of the stretch, the part of the recording that is used. */
 #ifndef TD_CALIBRATE_H
 #define TD_CALIBRATE_H
 
@@ -11,33 +12,33 @@
 #include "td_bursts.h"
 #include "tides/calibrate.h"
 
-/* The stretch's events of one recording, bursts marked, in order of pixel and time. */
+/* The stretch's events, with bursts marked, in order of pixel and time. */
 typedef struct td_taken {
-    int64_t start_ns, stop_ns; /* the stretch */
+    int64_t start_ns, stop_ns; /* ends of the stretch */
     int32_t width, height;     /* of the run */
     tides_event *events;       /* (count) */
-    size_t count, in_bursts;   /* those in bursts have cause 1 */
-    size_t *first;             /* (pixels + 1): where each pixel's begin */
+    size_t count, in_bursts;   /* events in bursts have cause 1 */
+    size_t *first;             /* (pixels + 1): where each pixel's events begin */
     int32_t bursts;
-    size_t bins; /* of TD_BIN_S */
+    size_t bins; /* bins of TD_BIN_S */
     uint32_t *rate;
-    uint8_t *burst; /* (bins): 1: within one */
+    uint8_t *burst; /* (bins): 1 for bins in a burst */
 } td_taken;
 
-/* Light of chosen pixels: in straight lines of ln(Y + o) from sample to sample. */
+/* Light of chosen pixels; ln(Y + o) is taken to be straight between samples. */
 typedef struct td_light {
     size_t count, samples;   /* pixels, times */
     uint32_t *pixel;         /* (count) y * width + x, ascending */
     double *time;            /* (samples) */
     float *Y;                /* (count x samples) */
-    float *line;             /* (samples): room for one pixel's logarithms, */
-    double *decay;           /* and for a filter's steps */
-    float *lowest, *highest; /* (width x height): of Y within the stretch */
+    float *line;             /* (samples): logarithms of one pixel, */
+    double *decay;           /* and a filter's decay over each step */
+    float *lowest, *highest; /* (width x height): range of Y within the stretch */
 } td_light;
 
 /* Two events of a pixel, one after the other. */
 typedef struct td_pair {
-    uint32_t place;       /* which of the light's pixels */
+    uint32_t place;       /* number of the pixel in the light */
     int8_t before, after; /* polarities */
     double from, to;      /* [s] */
 } td_pair;
@@ -45,14 +46,14 @@ typedef struct td_pair {
 typedef struct td_pairs {
     td_pair *list; /* by pixel, then time */
     size_t count;
-    double *change, *room; /* (count) of td_changes; and for sorting */
+    double *change, *room; /* (count) changes of the logarithm over the pairs; work space for sorting */
 } td_pairs;
 
 /* The front end between light and comparator. */
 typedef struct td_front {
     double log_eps;  /* [1] */
-    double pole_s;   /* [s]; with `law` 1 that at Y = 1 */
-    double offset_s; /* [s] events later than light by this */
+    double pole_s;   /* [s]; with `law` 1 at Y = 1 */
+    double offset_s; /* [s] by which events are later than light */
     double refractory_s;
     int32_t law; /* TIDES_PHOTORECEPTOR_* */
 } td_front;
@@ -61,21 +62,21 @@ typedef struct td_front {
 typedef struct td_fit {
     td_front front;
     double on, off;   /* medians of changes [log units] */
-    double misfit;    /* mean of d^2, d = |change / median - 1|, 1.5 at most: what is minimised */
+    double misfit;    /* mean of d^2, d = |change / median - 1|, at most 1.5: this is minimised */
     double deviation; /* mean of d */
     double agreement; /* share of changes that have their event's sign */
-    size_t pairs;     /* that light is known for */
+    size_t pairs;     /* number of pairs with known light */
 } td_fit;
 
-/* Which parameters a search moves, and where they are held. */
+/* Parameters that a search varies. */
 enum { TD_FREE_EPS = 1, TD_FREE_POLE = 2, TD_FREE_OFFSET = 4, TD_FREE_REFRACTORY = 8, TD_FREE_ALL = 15 };
 
-/* Which pairs a fit looks at: all, or those of a half. */
+/* The pairs that a fit uses: all, or those of a half. */
 enum { TD_ALL = 0, TD_EARLY, TD_LATE, TD_LEFT, TD_RIGHT, TD_RANDOM_HALF };
 typedef struct td_part {
     int32_t what;
     uint64_t seed; /* of TD_RANDOM_HALF */
-    double middle; /* of the halves: [s], or the column of pixels */
+    double middle; /* boundary of the halves: [s], or column */
     int32_t width; /* of the image [px] */
 } td_part;
 
@@ -88,14 +89,14 @@ typedef struct td_calibration {
     td_taken taken;
     td_light light;
     td_pairs pairs;
-    double longest_refractory_s; /* no interval is shorter */
+    double longest_refractory_s; /* no interval is shorter: upper bound of a fitted refractory period */
     td_fit fit;
-    td_fit raw;      /* before it was corrected */
-    double offset_s; /* where it fits best, whether or not that is taken */
+    td_fit raw;      /* before correction for the method's bias */
+    double offset_s; /* best offset, also where it isn't taken */
     int32_t free;    /* TD_FREE_* */
 } td_calibration;
 
-/* recording.c: reads the stretch; the caller frees it, whatever is returned. */
+/* recording.c: reads the stretch. The caller frees *c's arrays, also after a failure. */
 tides_status td_taken_read(const char *path, td_calibration *c, double light_start, double light_stop, tides_error *error);
 tides_status td_taken_sort(td_taken *taken, tides_error *error); /* fills first and rate, of width, height, bins and events */
 void td_taken_free(td_taken *taken);
@@ -109,35 +110,35 @@ static inline size_t td_bin(const td_taken *taken, int64_t t) {
 
 /* light.c: chooses pixels and samples their light, from the session's scene or frames. */
 tides_status td_light_sample(td_calibration *c, tides_session *session, tides_error *error);
-#define TD_SETTLE_S 0.06 /* of light that is wanted before and after the stretch */
+#define TD_SETTLE_S 0.06 /* [s] light needed before and after the stretch */
 void td_light_free(td_light *light);
 void td_light_span(const tides_session_facts *facts, double *start, double *stop);
 
-/* pairs.c: of the events of the light's pixels. */
+/* pairs.c: makes the pairs of the events of the light's pixels. */
 tides_status td_pairs_make(const td_taken *taken, const td_light *light, td_pairs *pairs, tides_error *error);
 void td_pairs_free(td_pairs *pairs);
 double td_shortest_interval(const td_pairs *pairs);
 
-/* changes.c: fills pairs->change; NaN of another part's, INFINITY where light isn't known. */
+/* changes.c: fills pairs->change: NaN for pairs of another part, INFINITY where light isn't known. */
 void td_changes(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part);
 /* fit.c */
 void td_judge(td_pairs *pairs, td_fit *fit);
-double td_usual(const td_fit *fit, int8_t polarity); /* the median of that polarity */
+double td_usual(const td_fit *fit, int8_t polarity); /* the median of this polarity */
 double td_try(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part, td_fit *fit);
-tides_status td_search(td_calibration *c, tides_error *error); /* from nothing */
+tides_status td_search(td_calibration *c, tides_error *error); /* without a starting point */
 void td_refine(td_light *light, td_pairs *pairs, td_fit *fit, int32_t free, double longest_refractory_s, const td_part *part);
-int32_t td_in_part(const td_pair *pair, uint32_t pixel, const td_part *part); /* NULL: all */
+int32_t td_in_part(const td_pair *pair, uint32_t pixel, const td_part *part); /* part NULL: all */
 
-/* The parts that write a calibration; each has its own fields. */
+/* Parts that measure a calibration's values; each sets its own fields. */
 /* spread.c: transitions, mismatch, the map, hot and dead pixels. */
 tides_status td_spread(td_calibration *c, tides_calibration *found, tides_error *error);
 /* noise.c: events of pixels at rest, or of a still recording. */
 tides_status td_noise(td_calibration *c, tides_calibration *found, tides_error *error);
-/* correct.c: simulates with what was found, and takes off what comes out different; rates of both. */
+/* correct.c: simulates with the values found, and subtracts the difference; also compares rates of events. */
 tides_status td_correct(td_calibration *c, tides_calibration *found, tides_error *error);
-/* doubt.c: halves and error bars, and how the deviation goes with pole and black level. */
+/* doubt.c: values of halves and error bars, and the deviation as pole and black level vary. */
 tides_status td_doubt(td_calibration *c, tides_calibration *found, tides_error *error);
-/* verdict.c: what is wrong with it, and which values are known. */
+/* verdict.c: faults of the calibration, and which values are known. */
 tides_status td_verdict(td_calibration *c, tides_calibration *found, tides_error *error);
 
 /* Reports the calibration's progress; TIDES_CANCELLED where the caller stops it. */

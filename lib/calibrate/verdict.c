@@ -8,24 +8,24 @@
 #include <string.h>
 
 enum { FEW_PAIRS = 300, FEW_OF_ONE = 50, TILE = 8 };
-#define AGREES 0.85   /* share of changes that go their event's way, below which light isn't that of the recording */
-#define DEVIATES 0.45 /* of changes that could mean anything */
+#define AGREES 0.85   /* share of changes with their event's sign; below, the light isn't the recording's */
+#define DEVIATES 0.45 /* mean deviation that unrelated changes would have */
 #define ALIKE 0.4     /* correlation of where light moves and where events are */
-#define DEAD 0.2      /* of the pixels that should fire */
-#define LATE_S 3e-3   /* of clocks: beyond that it isn't the pixels' delay */
-#define FAR_APART 0.2 /* of a value, between halves */
-/* Floors of the errors: light goes in straight lines between samples. */
+#define DEAD 0.2      /* share of dead pixels among those that should fire */
+#define LATE_S 3e-3   /* [s] a greater offset is the clocks', not the pixels' delay */
+#define FAR_APART 0.2 /* relative difference of halves that is too large */
+/* Least relative errors: light is taken to be straight between samples. */
 #define LEAST_SHARE 0.003
 #define LEAST_EPS 2e-4
 #define LEAST_S 3e-5
-#define SHORT_S 3e-4 /* poles below, beyond 530 Hz, can't be told from none */
-#define MOVES 0.15   /* log units that light moves by where something does */
-#define REVERSAL 0.1 /* that changes after the other polarity are larger by */
+#define SHORT_S 3e-4 /* [s] poles below, beyond 530 Hz, can't be told from none */
+#define MOVES 0.15   /* log units by which a pixel's light moves where something happens */
+#define REVERSAL 0.1 /* relative excess of changes after the other polarity */
 
 /* -- where light moves and where events are -------------------------------------------------------------------------------- */
 
 typedef struct activity {
-    double *light, *events; /* of tiles of TILE px */
+    double *light, *events; /* light's movement and events, by tiles of TILE px */
     int32_t width, height;
 } activity;
 
@@ -51,7 +51,7 @@ static tides_status look(const td_calibration *c, activity *a, double *moving, t
     return TIDES_OK;
 }
 
-/* Correlation of both, the light's mirrored by `flip` (1: left and right, 2: up and down). */
+/* Correlation of light's movement and events, with the light mirrored by `flip` (1: left and right, 2: up and down). */
 static double correlation(const activity *a, int32_t flip) {
     double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
     for (int32_t v = 0; v < a->height; v++) {
@@ -77,7 +77,7 @@ static tides_status refuse(tides_calibration *found, tides_error *error, const c
     return td_note(&found->notes, error, "%s", why);
 }
 
-/* Whether signs are the other way round before anything is fitted. */
+/* 1 where polarities are exchanged, by the signs of changes before any fit. */
 static int32_t is_exchanged(td_calibration *c) {
     const td_front plain = {.log_eps = 0.02, .pole_s = 2e-3};
     td_fit fit;
@@ -85,8 +85,7 @@ static int32_t is_exchanged(td_calibration *c) {
     return fit.agreement < 1 - AGREES;
 }
 
-/* Notes why a recording may not be of this light: mirrored, with exchanged polarities, on another clock, or of another
- * scene. */
+/* Notes why a recording may not match the light: mirrored, polarities exchanged, another clock, another scene. */
 static tides_status why_unlike(td_calibration *c, const activity *a, char **notes, tides_error *error) {
     static const char *const mirrored[] = {"", "left and right", "up and down", "both ways"};
     const double as_is = correlation(a, 0);
@@ -108,7 +107,7 @@ static tides_status why_unlike(td_calibration *c, const activity *a, char **note
     return td_note(notes, error, "events aren't where light moves (%.2f): another scene, path, lens or stretch of time", as_is);
 }
 
-/* Light goes the events' way, and too far or not far enough. */
+/* Notes changes that have the events' signs but are too large or too small. */
 static tides_status too_coarse(const td_calibration *c, tides_calibration *found, tides_error *error) {
     const double every =
         c->light.samples > 1 ? (c->light.time[c->light.samples - 1] - c->light.time[0]) / (double)(c->light.samples - 1) : 0;
@@ -195,7 +194,8 @@ static tides_status say_reversals(const tides_calibration *found, char **notes, 
 
 /* -- values ---------------------------------------------------------------------------------------------------------------- */
 
-/* Below `none` (0: nothing is) a value can't be told from none. */
+/* Half the difference of two halves' values; 0 where one isn't known. In settle_value, a value below `none` can't be told from
+ * none; for 0 every value can. */
 static double half_difference(double a, double b) { return a == a && b == b ? 0.5 * fabs(a - b) : 0; }
 
 static void settle_value(tides_calibrated *v, double none, double least) {

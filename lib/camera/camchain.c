@@ -1,6 +1,6 @@
-/* Kalibr's camera chains, in the part of YAML that PyYAML and OpenCV write for such a file: mappings two deep, whose values are
- * words, numbers, lists in [] (which may go on in the next line) or of "- ", and rows of either. Anything else is refused,
- * unknown keys too, because one may matter to the cameras.
+/* Reads Kalibr's camera chains: the part of YAML that PyYAML and OpenCV write for such a file. Mappings are two deep. Values
+ * are words, numbers, lists in [] (which may continue on the next line) or of "- ", and rows of either. All else is refused.
+ * Unknown keys are, too, because they might change the cameras.
  *
  *     cam1:
  *       camera_model: pinhole
@@ -12,7 +12,7 @@
  *       - [1.0, 0.0, 0.0, -0.11]
  *       ...
  *
- * libyaml would read all of YAML into events, of which as many lines as these would have to make the same sense. */
+ * libyaml would read all of YAML, but its events need as many lines of code to become cameras. */
 #include "td_camchain.h"
 #include "camera/td_lens_models.h"
 
@@ -25,17 +25,17 @@
 #include <math.h>
 #include <string.h>
 
-#define ROTATION_TOLERANCE 1e-4 /* how far calibrated matrices are from rotations: they are written with all digits */
+#define ROTATION_TOLERANCE 1e-4 /* largest deviation of a calibrated matrix from a rotation; files write all digits */
 
-/* A camera as it is being read. */
+/* The camera that is being read. */
 typedef struct reading {
     const char *file;
     tides_error *error;
     td_camchain *chain;
     const char *pinhole, *bent; /* values of camera_model and distortion_model; NULL: not there */
-    const char *list[2];        /* those of intrinsics and distortion_coeffs: how many there are depends on the models */
+    const char *list[2]; /* values of intrinsics and distortion_coeffs, kept as text: their lengths depend on the models */
     double resolution[2], before[16], imu[16], shift;
-    int given; /* bits of KEYS */
+    int given; /* bit for each key that was read */
 } reading;
 
 enum {
@@ -68,7 +68,7 @@ static int read_matrix(const char *value, double m[16]) {
     return end && !*end;
 }
 
-/* A word, which ends with its line; quotes around it are taken off. */
+/* A word up to the end of its line, without quotes around it. */
 static const char *read_word(char *value) {
     value += strspn(value, " \t\r\n\"'");
     size_t length = strlen(value);
@@ -76,7 +76,7 @@ static const char *read_word(char *value) {
     return value;
 }
 
-/* A rotation and a place. */
+/* 1 if the matrix is a rotation and a translation. */
 static int is_rigid(const double t[16]) {
     double off = fabs(t[12]) + fabs(t[13]) + fabs(t[14]) + fabs(t[15] - 1), cross[3];
     for (int i = 0; i < 3; i++)
@@ -103,7 +103,7 @@ static void invert(const double t[16], double out[16]) {
     out[15] = 1;
 }
 
-/* Rounded digits of a file: the nearest rotation, so that a chain of any length stays one. */
+/* Replaces the rotation, which has rounded digits, by the nearest exact one, so that a chain of any length stays a rotation. */
 static void straighten(double t[16]) {
     double r[9] = {t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10]};
     td_straighten_rotation(r);
@@ -114,7 +114,7 @@ static void straighten(double t[16]) {
 
 static const struct key {
     const char *name;
-    int id, count; /* numbers in []; 16: a matrix; 0: a word, a list for later, or nothing of ours */
+    int id, count; /* numbers in []; 16: a matrix; 0: a word, a list that is parsed later, or a key that is ignored */
     size_t offset; /* in `reading` */
 } keys[] = {{"camera_model", KEY_MODEL, 0, 0},
             {"intrinsics", KEY_INTRINSICS, 0, 0},
@@ -148,7 +148,7 @@ static tides_status take_numbers(reading *r, const struct key *key, const char *
                    key->count, key->count > 1 ? "s in []" : "");
 }
 
-/* A key with its value, which ends with a NUL. */
+/* Takes a key with its value, a text that ends in a NUL. */
 static tides_status take_key(reading *r, const char *name, char *value) {
     const struct key *key = NULL;
     char word[TD_QUOTE];
@@ -170,7 +170,7 @@ static tides_status take_key(reading *r, const char *name, char *value) {
 
 /* -- cameras --------------------------------------------------------------------------------------------------------------- */
 
-/* Models come first: others have other numbers of coefficients. */
+/* Checks the models before any coefficients: other models have other numbers of them. */
 static tides_status check_models(const reading *r) {
     char word[TD_QUOTE];
     if (r->pinhole && strcmp(r->pinhole, "pinhole") != 0)
@@ -183,7 +183,7 @@ static tides_status check_models(const reading *r) {
                    r->file, r->chain->count, td_path_quote(r->bent, strlen(r->bent), word));
 }
 
-/* Reads the lens. Without a model, or with "none", the coefficients are ignored. */
+/* Reads the lens. The coefficients are ignored without a model, or with "none". */
 static tides_status find_lens(const reading *r, tides_lens *lens) {
     double k[5] = {0};
     *lens = (tides_lens){.model = TIDES_LENS_NONE};
@@ -211,14 +211,14 @@ static tides_status find_intrinsics(const reading *r, tides_intrinsics *out) {
     return find_lens(r, &out->lens);
 }
 
-/* By the IMU, else along the chain. */
+/* Finds the camera's pose on the body: from the IMU if the file has it, else along the chain. */
 static tides_status find_place(const reading *r, double T_B_C[16]) {
     static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     double back[16];
     const int n = r->chain->count;
     if (has(r, KEY_CAM_IMU) && has(r, KEY_IMU_CAM)) return bad(r, TIDES_BAD_FILE, "T_cam_imu and T_imu_cam: keep one");
     if (n == 0) r->chain->has_imu = has(r, KEY_IMU_CAM) || has(r, KEY_CAM_IMU);
-    if (!r->chain->has_imu && !has(r, KEY_BEFORE) && n > 0) { /* where its IMU is doesn't say where cam0 is */
+    if (!r->chain->has_imu && !has(r, KEY_BEFORE) && n > 0) { /* its pose to an IMU doesn't give its pose to cam0 */
         return bad(r, TIDES_BAD_FILE, "T_cn_cnm1 is missing: how it stands to the camera before it");
     } else if (r->chain->has_imu && has(r, KEY_IMU_CAM)) {
         memcpy(T_B_C, r->imu, sizeof same);
@@ -235,7 +235,7 @@ static tides_status find_place(const reading *r, double T_B_C[16]) {
     return TIDES_OK;
 }
 
-/* Puts the camera that was read into the chain. */
+/* Appends the camera that was read to the chain. */
 static tides_status finish_camera(reading *r) {
     static const int needed[] = {KEY_INTRINSICS, KEY_RESOLUTION};
     td_camchain_camera *camera = &r->chain->camera[r->chain->count];
@@ -255,16 +255,16 @@ static tides_status finish_camera(reading *r) {
 
 /* -- lines ----------------------------------------------------------------------------------------------------------------- */
 
-/* "name:" at `at`, up to a blank or the line's end; returns what is behind the colon, which becomes a NUL, or NULL. */
+/* Splits "name: rest" at `at`: puts a NUL in place of the colon, and returns the rest. NULL if there is no such key. */
 static char *split_key(char *at) {
     char *end = at;
     while (isalnum((unsigned char)*end) || *end == '_') end++;
-    if (end == at || *end != ':' || !strchr(" \t\r\n", end[1])) return NULL; /* a NUL, too */
+    if (end == at || *end != ':' || !strchr(" \t\r\n", end[1])) return NULL; /* strchr also finds the NUL at the text's end */
     *end = '\0';
     return end + 1;
 }
 
-/* Comments to blanks: what is behind a # that nothing or a blank is before, and lines that are directives or markers. */
+/* Blanks out comments (a # at the line's start or behind a blank, and what follows), directives and markers. */
 static void blank_comments(char *text) {
     int comment = 0, start = 1;
     for (char *at = text; *at; at++) {
@@ -288,7 +288,7 @@ static tides_status begin_camera(reading *r, const char *name, const char *rest,
     return TIDES_OK;
 }
 
-/* Line by line: a key's value ends where the next key begins. */
+/* Reads line by line. A key's value may span lines, and ends where the next key begins. */
 static tides_status read_lines(reading *r, char *text) {
     char *name = NULL, *value = NULL, *next;
     size_t line = 1, inner = 0;
@@ -298,9 +298,9 @@ static tides_status read_lines(reading *r, char *text) {
         next = at + strcspn(at, "\n");
         next += *next == '\n';
         if (next - at <= (ptrdiff_t)strspn(at, " \t\r\n")) continue;
-        if (name && indent > inner) continue; /* more of the value */
+        if (name && indent > inner) continue; /* the value goes on */
         if (name && indent == inner && at[indent] == '-') continue;
-        if (name) at[-1] = '\0', status = take_key(r, name, value); /* lines before it end with one */
+        if (name) at[-1] = '\0', status = take_key(r, name, value); /* ends the value: its last line break becomes a NUL */
         name = NULL;
         if (status != TIDES_OK) break;
         char *key = at + indent, *rest = split_key(key);

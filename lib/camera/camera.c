@@ -1,4 +1,5 @@
-/* Camera path files: finds the format from the content, hands on to its reader, puts the samples on their time line. */
+/* Reads camera path files: detects the format from the content, calls the format's reader, and builds a trajectory of its
+ * samples. */
 #include "tides/camera.h"
 
 #include "camera/td_colmap.h"
@@ -24,10 +25,10 @@ static void spread(td_path_reader *reader) {
     for (size_t i = 0; i < reader->count; i++) reader->samples[i].time = reader->options->duration * ((double)i / steps);
 }
 
-/* Beyond this no clock counts in seconds: 5138 AD. */
+/* Larger times can't be in seconds: this is the year 5138. */
 #define TD_LAST_SECOND 1e11
 
-/* Times must strictly increase; says at which line or entry they don't. */
+/* Checks that times strictly increase; the error names the line or entry where they don't. */
 static tides_status check_order(const td_path_reader *reader) {
     for (size_t i = 0; i < reader->count; i++)
         if (!(fabs(reader->samples[i].time) < TD_LAST_SECOND))
@@ -66,14 +67,14 @@ static tides_status make_trajectory(td_path_reader *reader) {
     }
     status = reader->is_open ? tides_trajectory_create_open(samples, reader->count, &reader->path.trajectory, reader->error)
                              : tides_trajectory_create(samples, reader->count, &reader->path.trajectory, reader->error);
-    if (status == TIDES_BAD_ARGUMENT) status = TIDES_BAD_FILE; /* here the argument is what the file says */
+    if (status == TIDES_BAD_ARGUMENT) status = TIDES_BAD_FILE; /* the bad argument came from the file */
     if (status != TIDES_OK) td_fail_within(reader->error, status, "%s", reader->file);
     if (status != TIDES_OK && reader->error) reader->error->status = status;
     free(samples);
     return status;
 }
 
-/* The JSON formats tell themselves apart by their root. */
+/* Detects which JSON format it is, from the keys of the root. */
 static tides_status read_json(td_path_reader *reader) {
     cJSON *root = td_json_parse(reader);
     if (!root) return TIDES_BAD_FILE;
@@ -108,9 +109,10 @@ static tides_status check_options(const tides_path_options *options, tides_error
     return TIDES_OK;
 }
 
-/* The shape of a text's first line with data: its columns, between commas or blanks, and the first column that is no number. */
+/* The first line of a text that holds data: number of columns (separated by commas or blanks), and the first column that is
+ * no number. */
 typedef struct text_shape {
-    int columns, commas, first_word; /* first_word: columns where all are numbers */
+    int columns, commas, first_word; /* if all columns are numbers, first_word is `columns` */
 } text_shape;
 
 static text_shape shape_of(const char *text) {
@@ -124,7 +126,7 @@ static text_shape shape_of(const char *text) {
     for (int numbers = 1; !td_text_ends(c); shape.columns++) {
         double value;
         const char *end = td_text_number(c, &value);
-        numbers = numbers && end != c && strchr(", \t\r\n", *end); /* at the text's end too */
+        numbers = numbers && end != c && strchr(", \t\r\n", *end); /* strchr also finds the NUL at the text's end */
         shape.first_word += numbers;
         c += strcspn(c, shape.commas ? ",\n" : " \t\r\n");
         c = td_text_skip(c + (*c == ','));
@@ -132,21 +134,21 @@ static text_shape shape_of(const char *text) {
     return shape;
 }
 
-/* Text formats tell themselves apart by the names of their columns, else by the columns of their first line with data. */
+/* Detects which text format it is: from the names of the columns, otherwise from the first line with data. */
 static tides_status read_text(td_path_reader *reader) {
     td_path_table table;
     const text_shape shape = shape_of(reader->text);
     const tides_status status = td_path_find_table(reader, &table);
     if (status != TIDES_OK) return status;
     if (table.named || shape.commas) return td_path_read_table(reader, &table);
-    const int all = shape.first_word == shape.columns; /* of a row are numbers */
+    const int all = shape.first_word == shape.columns; /* the row has only numbers */
     if (all && td_path_is_kitti(shape.columns)) return td_path_read_kitti(reader, shape.columns);
     if (shape.columns >= 10 && (shape.first_word == 9 || shape.first_word == 10)) return td_path_read_colmap(reader, 0);
     if (shape.columns >= 7 && shape.first_word == 1) return td_path_refuse_cameras(reader, 0);
     return td_path_read_table(reader, &table);
 }
 
-/* A copy with line breaks of one byte, where a text has CRs alone; NULL with TIDES_OK where it has none. */
+/* Copies a text whose line breaks are CRs (old spreadsheets) with LFs instead. `*copy` is NULL if nothing has to change. */
 static tides_status break_lines(const td_path_reader *reader, char **copy) {
     const char *at = memchr(reader->text, '\r', reader->bytes), *end = reader->text + reader->bytes;
     *copy = NULL;
@@ -172,7 +174,7 @@ static tides_status read_text_file(td_path_reader *reader) {
     return status;
 }
 
-/* Detection and reading, in the C locale. */
+/* Detects the format and reads the file. The C locale is set. */
 static tides_status read_path(td_path_reader *reader, const char *folder) {
     if (folder) return td_path_read_nerfies_folder(reader, folder);
     /* COLMAP's binary files have no magic number: their names say what they are. */
@@ -195,7 +197,7 @@ static tides_status read_path(td_path_reader *reader, const char *folder) {
     return first == '{' || first == '[' ? read_json(reader) : read_text_file(reader);
 }
 
-/* Reads text or, where it isn't NULL, a folder of nerfies cameras. */
+/* Reads the reader's text; or, if `folder` isn't NULL, a folder of nerfies' cameras. */
 static tides_status parse(td_path_reader *reader, const char *folder, tides_path *path) {
     td_plain_numbers numbers;
     tides_status status = td_plain_begin(&numbers, reader->file, reader->error);
@@ -228,7 +230,7 @@ static tides_status load_file(const char *file, const tides_path_options *option
     return td_kind_judge(file, TD_WANTS_POSES, status, error);
 }
 
-/* A folder with one of the files that are known, or of nerfies cameras. */
+/* Reads a folder: one of the files of known names in it, or nerfies' cameras. */
 static tides_status load_folder(const char *folder, const tides_path_options *options, tides_path *path, tides_error *error) {
     char *file = NULL;
     tides_status status = td_path_find(folder, &file, error);

@@ -1,9 +1,9 @@
 /* COLMAP's cameras, as text: lines of `ID MODEL WIDTH HEIGHT PARAMETERS`, '#' starts a comment; or binary, little-endian:
  * uint64 count, then {uint32 id, int32 model, uint64 width, uint64 height, double parameters} each.
  *
- * A model's parameters begin with f, cx, cy or fx, fy, cx, cy; the rest bends lines: radtan's or equidistant's coefficients. A
- * model with more coefficients that aren't 0 (FULL_OPENCV, FOV, THIN_PRISM_FISHEYE) is reported by tides_path.distorted;
- * intrinsics are then those of the pinhole that agrees with the lens at its axis.
+ * A model's parameters begin with f, cx, cy or fx, fy, cx, cy; the rest are coefficients of radtan or equidistant distortion.
+ * Models with further coefficients that aren't 0 (FULL_OPENCV, FOV, THIN_PRISM_FISHEYE) set tides_path.distorted. Their
+ * intrinsics become those of the pinhole that agrees with the lens at its axis.
  * Pixel centres are at 0.5 in COLMAP as in TIDES. */
 #include "camera/td_colmap.h"
 
@@ -34,15 +34,15 @@ static const struct {
                     {"RADIAL_FISHEYE", 5, 1},
                     {"THIN_PRISM_FISHEYE", 12, 2}};
 
-/* A fisheye bends lines whatever its parameters are. */
+/* 1 for a fisheye, which isn't a pinhole even if all coefficients are 0. */
 static int is_fisheye(int model) { return strstr(models[model].name, "FISHEYE") != NULL; }
 
-/* Where the lens' k1 k2 p1 p2 k3, or k1 to k4, are among the parameters behind the principal point; -1: there's none. */
+/* Index of each lens coefficient (k1 k2 p1 p2 k3, or k1 to k4) among the parameters behind the principal point; -1: none. */
 static const int places[MODELS][5] = {{-1, -1, -1, -1, -1}, {-1, -1, -1, -1, -1}, {0, -1, -1, -1, -1}, {0, 1, -1, -1, -1},
                                       {0, 1, 2, 3, -1},     {0, 1, 2, 3, -1},     {0, 1, 2, 3, 4},     {-1, -1, -1, -1, -1},
                                       {0, -1, -1, -1, -1},  {0, 1, -1, -1, -1},   {0, 1, 4, 5, -1}};
 
-/* The lens of a model; returns 0 where other parameters bend lines too. */
+/* The lens of a model; returns 0 if it has coefficients that no lens of TIDES has. */
 static int lens_of(int model, const double *parameters, tides_lens *lens) {
     const int first = 2 + models[model].focals, rest = models[model].parameters - first;
     double k[5] = {0};

@@ -1,16 +1,16 @@
 /* A smooth curve in R^7 through knots: a C2 cubic spline, or a C3 quintic spline where the knots' rates are given too.
  *
- * Both are found the same way: the second derivatives at the knots solve a tridiagonal, diagonally dominant system (for the
- * cubic from the continuity of the first derivative, for the quintic from that of the third), and values, rates and second
- * derivatives give each segment's polynomial. Segments hold their coefficients in the normalised u = (t - start) / span, so
- * that a rate is the derivative of the very polynomial that gives the value.
+ * The unknowns are the second derivatives at the knots. For the cubic, continuous first derivatives give a tridiagonal,
+ * diagonally dominant system; for the quintic, continuous third derivatives do. Values, rates and second derivatives then
+ * give each segment's polynomial. Its variable is the normalised u = (t - start) / span, and a rate is the derivative of this
+ * very polynomial.
  *
- * Ends. Cubic: not-a-knot, which keeps the error O(h^4) up to the ends (a natural end has O(h^2)); but not-a-knot
- * extrapolates the neighbour's curvature, so an end interval over TD_LONG_END times as long as its neighbour gets a natural
- * end. Two knots give a line, three a parabola. Quintic: the first and last segments are quartics; two knots give the
- * Hermite cubic.
+ * Ends of the cubic are "not-a-knot", which keeps the error O(h^4) up to the ends (a natural end has O(h^2)). But it
+ * extrapolates the neighbour's curvature. So an end interval more than TD_LONG_END times as long as its neighbour gets a
+ * natural end. Two knots give a line, three a parabola. The quintic's first and last segments are quartics; two knots give
+ * the Hermite cubic.
  *
- * Where a piece swings far beyond the samples around it another is put in its place (curve_calm.c). */
+ * Where a segment swings far beyond the samples around it, td_curve_calm replaces it by a calmer one, which is only C1. */
 #include "camera/td_curve_segment.h"
 
 #include "td_base.h"
@@ -24,16 +24,17 @@ struct td_curve {
     size_t segments;
     double *time; /* segments + 1 */
     td_segment *segment;
-    unsigned char *bends; /* (segments + 1) 1: C1 only */
+    unsigned char *bends; /* (segments + 1) 1: the curve is only C1 at this knot */
 };
 
-/* lower x[i-1] + diagonal x[i] + upper x[i+1] = x: the right-hand side before the solution, the second derivatives after. */
+/* An equation lower x[i-1] + diagonal x[i] + upper x[i+1] = x. solve() replaces the right-hand side x by the second
+ * derivative. */
 typedef struct row {
     double lower, diagonal, upper;
     double x[WIDTH];
 } row;
 
-/* Thomas' algorithm; no pivots, since every system here is diagonally dominant but for end rows that stay regular. */
+/* Thomas' algorithm. It needs no pivots: all rows are diagonally dominant, except end rows, which stay regular. */
 static void solve(row *rows, size_t count) {
     for (size_t i = 1; i < count; i++) {
         double factor = rows[i].lower / rows[i - 1].diagonal;
@@ -47,7 +48,7 @@ static void solve(row *rows, size_t count) {
         }
 }
 
-/* The cubic's equation at inner knot `i`: the rate is continuous. */
+/* The cubic's equation at inner knot `i`: the first derivative is continuous. */
 static void cubic_row(const td_knot *knot, row *out) {
     double before = knot[0].time - knot[-1].time, after = knot[1].time - knot[0].time;
     out->lower = before;
@@ -60,12 +61,13 @@ static void cubic_row(const td_knot *knot, row *out) {
     }
 }
 
-/* Second derivative at an end, from its two neighbours: not-a-knot says that it continues their line. */
+/* Second derivative at an end, on the line through those of its two neighbours: this is the not-a-knot condition. */
 static void extrapolate(const row *first, const row *second, double ratio, row *end) {
     for (int k = 0; k < WIDTH; k++) end->x[k] = ratio > TD_LONG_END ? 0.0 : first->x[k] + ratio * (first->x[k] - second->x[k]);
 }
 
-/* Second derivatives of the cubic spline. The end ones are eliminated from the inner system, then read off. */
+/* Second derivatives of the cubic spline. The inner system is solved first, with the end ones eliminated; these follow from
+ * it. */
 static void cubic_curvature(const td_knot *knots, size_t count, row *rows) {
     if (count == 2) return; /* a line: the rows are zero already */
     for (size_t i = 1; i + 1 < count; i++) cubic_row(knots + i, rows + i);

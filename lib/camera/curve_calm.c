@@ -1,12 +1,11 @@
-/* Splines that swing, and what is put in their place.
+/* Replaces segments of a spline that swing far beyond the samples by calmer ones.
  *
- * A C2 spline passes on what happens in one interval to the next. Through samples that are a tenth of a microsecond apart, with
- * the noise that samples have, it leaves at a slope of that noise over that time, and over the next ten milliseconds swings to
- * many times the range of the samples themselves. Component by component: where a piece leaves the range of the samples around
- * it by as much as that range once more, its ends get the slopes of Fritsch and Butland (1984) instead, with which a cubic is
- * monotone between two samples; where the samples turn round, 0. There the curve is C1, its rates still those of its own
- * pieces, and everywhere else it has the bits that it would have without this. Where the samples have rates, they are what the
- * piece's ends keep. */
+ * In a C2 spline each segment affects the next ones. Between two noisy samples 0.1 us apart its slope is the noise divided by
+ * that time. In the next ten milliseconds it then swings to many times the range of the samples. So each component is
+ * checked: a segment may leave the range of the samples around it by at most that range once more. Otherwise its ends get the
+ * slopes of Fritsch and Butland (1984), with which a cubic is monotone between two samples, and 0 where the samples turn
+ * round. If the samples have rates, the ends keep these rates. The curve is only C1 there; rates stay the derivatives of the
+ * segments, and other segments keep their bits. */
 #include "camera/td_curve_segment.h"
 
 #include "td_base.h"
@@ -15,13 +14,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Samples on either side whose range counts: a spline's own ringing beside a step falls by 3.7 from one to the next, to 0.2 %
- * of the step beyond these. */
+/* Samples on either side of a segment whose range is used. The spline's own ringing beside a step falls by a factor of 3.7
+ * per sample; beyond these samples it is 0.2 % of the step. */
 enum { AROUND = 4, PROBES = 16 };
-/* How far a piece may leave that range, in units of it. Sines of more than two samples per period leave it by 0.19 at most,
- * noise at even times by 0.25, at times 1 to 3 apart by 0.7 (200 samples, 300 draws). */
+/* How far a segment may leave that range, in units of the range. Sines of more than two samples per period leave it by at
+ * most 0.19. Noise leaves it by 0.25 at even times, and by 0.7 at intervals of 1 to 3 (200 samples, 300 draws). */
 static const double most_beyond = 1.0;
-/* And of the range of all samples: what rings further away is no swing. */
+/* It must also leave it by this share of the range of all samples: less is ringing, and harmless. */
 static const double share_of_all = 0.01;
 
 /* Range of component k over samples [from, to). */
@@ -33,12 +32,12 @@ static void range_of(const td_knot *knots, size_t from, size_t to, int k, double
     }
 }
 
-/* How far the rates of a piece's ends make it go by themselves: what is thrown up comes down at the same place. */
+/* How far the rates at a segment's ends alone carry it beyond its samples: motion with such rates is real, no swing. */
 static double owed_to_rates(const td_knot *knot, int k) {
     return td_greater(fabs(knot[0].rate[k]), fabs(knot[1].rate[k])) * (knot[1].time - knot[0].time);
 }
 
-/* 1 where the piece leaves what is allowed it. */
+/* 1 if the segment leaves its allowed range. */
 static int swings(const td_knot *knots, size_t count, size_t i, int k, const double c[6], double range, double owed) {
     double low, high;
     range_of(knots, i + 1 < AROUND ? 0 : i + 1 - AROUND, i + 1 + AROUND < count ? i + 1 + AROUND : count, k, &low, &high);
@@ -50,7 +49,8 @@ static int swings(const td_knot *knots, size_t count, size_t i, int k, const dou
     return 0;
 }
 
-/* The slope at a sample by its neighbours: the harmonic mean of theirs, weighted, 0 where they disagree. */
+/* The slope at a sample from its neighbours: the weighted harmonic mean of the slopes on either side, 0 if their signs
+ * differ. */
 static double calm_slope(const td_knot *knots, size_t count, size_t i, int k) {
     if (i == 0) return (knots[1].value[k] - knots[0].value[k]) / (knots[1].time - knots[0].time);
     if (i + 1 == count) return (knots[i].value[k] - knots[i - 1].value[k]) / (knots[i].time - knots[i - 1].time);
@@ -61,7 +61,7 @@ static double calm_slope(const td_knot *knots, size_t count, size_t i, int k) {
     return 3 * (before + after) / ((2 * after + before) / from + (after + 2 * before) / to);
 }
 
-/* The cubic with these slopes at both ends. */
+/* The cubic with these slopes at its ends. */
 static void join(const td_knot *knot, int k, double start, double stop, double c[6]) {
     double span = knot[1].time - knot[0].time, rise = knot[1].value[k] - knot[0].value[k];
     c[0] = knot[0].value[k];
@@ -71,8 +71,8 @@ static void join(const td_knot *knot, int k, double start, double stop, double c
     c[4] = c[5] = 0;
 }
 
-/* One component; `slope` (count) and `calm` (count) are scratch. A calmed end may make the next piece swing: until none does.
- */
+/* Calms one component; `slope` (count) and `calm` (count) are scratch. A calmed end may make the next segment swing, so it
+ * repeats until none does. */
 static void calm_component(const td_knot *knots, size_t count, int with_rates, int k, td_segment *segments, double *slope,
                            unsigned char *calm) {
     double low, high;

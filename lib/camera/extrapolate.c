@@ -1,5 +1,5 @@
-/* A path that goes on before its first sample and after its last one: straight on, and turning evenly, as from the first (last)
- * few samples to the next. For recordings whose poses begin after their events. */
+/* Extends a path before its first and after its last sample, straight on and turning evenly, as it moves over its first
+ * (last) few samples. This is for recordings whose poses begin after their events. */
 #include "camera/td_rotation.h"
 #include "td_math.h"
 #include "camera/td_trajectory.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FEW = 3 /* segments that say how it moves there */, ADDED_MOST = 1000000 };
+enum { FEW = 3 /* segments at an end that give its velocity */, ADDED_MOST = 1000000 };
 
 /* How a path moves from one sample to another one: velocity, angular velocity (world axes). */
 typedef struct motion {
@@ -33,7 +33,7 @@ static motion between(const tides_pose_sample *a, const tides_pose_sample *b) {
     return m;
 }
 
-/* `sample` as it is at `time`, moved on evenly. */
+/* The sample moved on evenly to `time`. */
 static tides_pose_sample moved(const tides_pose_sample *sample, const motion *m, double time) {
     const double span = time - sample->time;
     const double speed = sqrt(m->omega[0] * m->omega[0] + m->omega[1] * m->omega[1] + m->omega[2] * m->omega[2]);
@@ -50,7 +50,7 @@ static tides_pose_sample moved(const tides_pose_sample *sample, const motion *m,
     return made;
 }
 
-/* Samples `step` apart, the last of them at `end` or beyond. */
+/* The number of samples, `step` apart, whose last is at least `gap` away. */
 static size_t needed(double gap, double step) { return gap > 0 ? (size_t)ceil(gap / step) : 0; }
 
 static tides_status extend(const tides_trajectory *t, double start, double stop, tides_trajectory **extended,

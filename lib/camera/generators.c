@@ -1,8 +1,8 @@
 /* Paths from a formula: orbit, dolly, handheld.
  *
- * Each samples its formula evenly, with the formula's own rates, so that the quintic spline of curve.c runs through it. Over
- * a step h a motion of angular frequency w is then off by about (w h)^6 / 46080 in the middle of a path and (w h)^5 / 1000
- * at its ends; the steps below keep both under 1e-6 of the motion's size (measured in test_trajectory_generators.c). */
+ * Each path samples its formula evenly, with the formula's own rates, and a quintic spline runs through the samples. With
+ * step h, a motion of angular frequency w is then off by about (w h)^6 / 46080 in the middle of a path, and (w h)^5 / 1000 at
+ * its ends. The steps below keep both under 1e-6 of the motion's size (measured in test_trajectory_generators.c). */
 #include "tides/trajectory.h"
 
 #include "camera/td_rotation.h"
@@ -15,10 +15,10 @@
 
 #define TD_PI 3.14159265358979323846
 #define TD_STEP_ANGLE 0.1         /* [rad] of the fastest motion per sample: 63 samples per turn */
-#define TD_FEWEST_SAMPLES 9       /* keeps the looser ends of the spline apart on short paths */
+#define TD_FEWEST_SAMPLES 9       /* keeps the less accurate ends of the spline apart on short paths */
 #define TD_MOST_SAMPLES 1000000.0 /* 0.5 GB, 16 000 turns */
 
-/* A formula: fills position, quaternion and rates of `sample` at its time; 0 where it has no value there. */
+/* Fills position, quaternion and rates of `sample` at its time; returns 0 if the formula has no value there. */
 typedef int (*formula)(const void *parameters, tides_pose_sample *sample);
 
 /* Samples a formula over [start, stop]; `angular_rate` is that of its fastest motion [rad/s]. */
@@ -53,7 +53,7 @@ static tides_status sample_formula(formula formula_at, const void *parameters, c
     return status;
 }
 
-/* Unit vector of `up`; 0 where it is zero or not finite. */
+/* Unit vector along `up`; returns 0 if `up` is zero or not finite. */
 static int unit_up(const double up[3], double unit[3]) {
     double length = td_length3(up);
     if (!isfinite(length) || !(length > 0.0)) return 0;
@@ -67,7 +67,8 @@ static tides_status bad_up(const char *name, tides_error *error) {
 
 /* -- orbit ------------------------------------------------------------------------------------------------------------ */
 
-/* Angles count from the world's x axis (y where `up` is near x), laid into the plane, and turn about `up` by the right hand. */
+/* Angles count from the world's x axis (y if `up` is near x), projected onto the plane normal to `up`. They turn about `up`
+ * by the right hand. */
 typedef struct orbit_frame {
     const tides_orbit *orbit;
     double up[3], ahead[3], aside[3];
@@ -119,7 +120,8 @@ static int dolly_at(const void *parameters, tides_pose_sample *sample) {
     return 1;
 }
 
-/* Least distance of the line `from`-`to` from the line through the target along `up`: it sets how fast the view turns. */
+/* Least distance between the line `from`-`to` and the line through the target along `up`. The nearer, the faster the view
+ * turns. */
 static double distance_from_axis(const tides_dolly *dolly, const double up[3]) {
     double from[3], move[3], from_up = 0.0, move_up = 0.0;
     for (int k = 0; k < 3; k++) {
@@ -128,7 +130,7 @@ static double distance_from_axis(const tides_dolly *dolly, const double up[3]) {
         from_up += from[k] * up[k];
         move_up += move[k] * up[k];
     }
-    for (int k = 0; k < 3; k++) { /* what is left lies in the plane normal to `up` */
+    for (int k = 0; k < 3; k++) { /* keep the components normal to `up` */
         from[k] -= from_up * up[k];
         move[k] -= move_up * up[k];
     }
@@ -151,26 +153,26 @@ tides_status tides_trajectory_create_dolly(const tides_dolly *dolly, tides_traje
                        "dolly: the way from `from` to `to` leads through the target, or straight over it along `up`, where the "
                        "camera's orientation isn't determined; keep away from it or choose another `up`");
     double angular_rate = td_length3(move) / distance / fabs(dolly->stop - dolly->start);
-    if (!(dolly->stop > dolly->start)) angular_rate = 0.0; /* sample_formula reports that */
+    if (!(dolly->stop > dolly->start)) angular_rate = 0.0; /* sample_formula reports it as an error */
     return sample_formula(dolly_at, dolly, "dolly", dolly->start, dolly->stop, angular_rate, trajectory, error);
 }
 
 /* -- handheld --------------------------------------------------------------------------------------------------------- */
 
-/* Hand tremor has most of its power at low frequency: sines at f, 1.71 f, 2.92 f and 5 f (ratio 5^(1/3), so that they take long
- * to repeat), amplitudes falling as 1/f. */
+/* Hand tremor has most of its power at low frequencies. The shake is a sum of sines at f, 1.71 f, 2.92 f and 5 f, with
+ * amplitudes falling as 1/f. The ratio 5^(1/3) makes it take long to repeat. */
 #define TD_SINES 4
 #define TD_AXES 6 /* three of position, then three of rotation */
 
 typedef struct shake {
     const tides_handheld *handheld;
-    double rotation[9];                              /* without shake */
-    double amplitude[TD_SINES], pulsation[TD_SINES]; /* for 1 rms; [rad/s] */
+    double rotation[9];                              /* the rotation without shake */
+    double amplitude[TD_SINES], pulsation[TD_SINES]; /* amplitudes for 1 rms in total; [rad/s] */
     double phase[TD_AXES][TD_SINES];                 /* [rad] */
 } shake;
 
-/* Uniform in [0, 1) from a key: the finaliser of splitmix64 (Steele, Lea, Flood 2014), so that a phase depends on nothing
- * but the seed and its place. */
+/* A uniform number in [0, 1) from seed and index, by the finaliser of splitmix64 (Steele, Lea, Flood 2014). A phase depends
+ * on these two alone. */
 static double uniform(uint64_t seed, uint64_t place) {
     uint64_t z = seed + (place + 1) * UINT64_C(0x9E3779B97F4A7C15);
     z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
@@ -188,8 +190,8 @@ static void shake_axis(const shake *s, int axis, double time, double *value, dou
     }
 }
 
-/* Quaternion of the rotation vector v, and the angular velocity in body axes where v has the rate v_dot:
- * omega = v_dot - (1 - cos a)/a^2 v x v_dot + (a - sin a)/a^3 v x (v x v_dot), a = |v| (the right Jacobian of SO(3)). */
+/* Quaternion of the rotation vector v, and the angular velocity omega in body axes if v has the rate v_dot: omega = v_dot -
+ * (1 - cos a)/a^2 v x v_dot + (a - sin a)/a^3 v x (v x v_dot), a = |v| (the right Jacobian of SO(3)). */
 static void exponential(const double v[3], const double v_dot[3], double q[4], double omega[3]) {
     double a = td_length3(v), square = a * a, once[3], twice[3];
     int small = a < 1e-3; /* series: the next terms are below 1e-13 */
@@ -253,7 +255,7 @@ tides_status tides_trajectory_create_handheld(const tides_handheld *handheld, ti
     if (!td_all_finite(numbers, sizeof numbers / sizeof *numbers) || !(h->frequency > 0.0) || !(h->position_amplitude >= 0.0))
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "handheld: frequency must be above 0, amplitudes at least 0, all values finite");
-    if (!(h->rotation_amplitude >= 0.0 && h->rotation_amplitude <= 0.5)) /* its peaks are three times that */
+    if (!(h->rotation_amplitude >= 0.0 && h->rotation_amplitude <= 0.5)) /* its peaks are three times as large */
         return td_fail(error, TIDES_BAD_ARGUMENT, "handheld: rotation_amplitude is %g rad; a hand's lies between 0 and 0.5",
                        h->rotation_amplitude);
     shake s = {.handheld = handheld};

@@ -1,8 +1,8 @@
 /* Samples of an IMU on the body: the path's exact derivatives, with biases that walk and white noise.
  *
- * Noise is Kalibr's: a density sigma [unit/sqrt(Hz)] becomes sigma / sqrt(dt) per sample, and a walk's density sigma_b moves
- * the bias by sigma_b sqrt(dt) from sample to sample. Numbers are drawn by (seed, axis, sample), so that the first samples of a
- * longer recording are those of a shorter one. */
+ * The noise model is Kalibr's. White noise of density sigma [unit/sqrt(Hz)] is sigma / sqrt(dt) per sample. A bias walk of
+ * density sigma_b moves the bias by sigma_b sqrt(dt) from sample to sample. Random numbers depend on (seed, axis, sample), so
+ * a longer recording begins with the samples of a shorter one. */
 #include "tides/imu.h"
 
 #include "camera/td_rotation.h"
@@ -13,7 +13,7 @@
 
 #include <math.h>
 
-static const double slack = 1e-9; /* [s] that a sample may lie beyond the end, by rounding */
+static const double slack = 1e-9; /* [s] by which rounding may put a sample beyond the end */
 
 void tides_imu_defaults(tides_imu *imu) {
     if (imu) *imu = (tides_imu){.size = sizeof *imu, .rate_hz = 200, .gravity = 9.80665};
@@ -23,7 +23,7 @@ size_t tides_imu_count(const tides_imu *imu, double start, double stop) {
     return stop < start ? 0 : (size_t)floor((stop - start + slack) * imu->rate_hz) + 1;
 }
 
-/* -- what is asked --------------------------------------------------------------------------------------------------- */
+/* -- parameters --------------------------------------------------------------------------------------------------- */
 
 static tides_status check_densities(const tides_imu *imu, tides_error *error) {
     const struct {
@@ -42,7 +42,7 @@ static tides_status check_densities(const tides_imu *imu, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Checks the values that only the caller can know; `gravity` in world axes [m/s^2]. */
+/* Checks metres_per_unit and the direction of gravity, which have no default. `gravity` is in world axes [m/s^2]. */
 static tides_status check_known(const tides_imu *imu, double gravity[3], tides_error *error) {
     const double length = td_length3(imu->down);
     if (!(imu->metres_per_unit > 0 && isfinite(imu->metres_per_unit)))
@@ -56,7 +56,7 @@ static tides_status check_known(const tides_imu *imu, double gravity[3], tides_e
     return TIDES_OK;
 }
 
-/* Takes what is asked for; `gravity` in world axes [m/s^2]. */
+/* Copies and checks the parameters; `gravity` is in world axes [m/s^2]. */
 static tides_status take_imu(const tides_imu *given, tides_imu *imu, double gravity[3], tides_error *error) {
     tides_imu_defaults(imu);
     tides_status status = TD_TAKE_STRUCT(tides_imu, imu, given, error);
@@ -76,7 +76,7 @@ static void to_body(const double rotation[9], const double v[3], double out[3]) 
     for (int k = 0; k < 3; k++) out[k] = rotation[k] * v[0] + rotation[3 + k] * v[1] + rotation[6 + k] * v[2];
 }
 
-/* Without noise. */
+/* The exact reading, without noise. */
 static tides_status measure(const tides_trajectory *trajectory, double metres_per_unit, const double gravity[3], double time,
                             tides_imu_sample *sample, tides_error *error) {
     tides_pose pose;
@@ -86,7 +86,8 @@ static tides_status measure(const tides_trajectory *trajectory, double metres_pe
     if (status != TIDES_OK) return status;
     for (int k = 0; k < 3; k++) force[k] = force[k] * metres_per_unit - gravity[k];
     to_body(pose.rotation, force, sample->specific_force);
-    for (int k = 0; k < 3; k++) { /* R^T R_dot is the cross product with the angular rate: its entries (j, k) below i */
+    /* R^T R_dot is the cross-product matrix of the angular rate: component i is its entry (j, k) */
+    for (int k = 0; k < 3; k++) {
         const int j = (k + 1) % 3, i = (k + 2) % 3;
         for (int r = 0; r < 3; r++) column[r] = pose.rotation_dot[3 * r + k];
         to_body(pose.rotation, column, rate);
@@ -96,7 +97,7 @@ static tides_status measure(const tides_trajectory *trajectory, double metres_pe
     return TIDES_OK;
 }
 
-/* Six normals: of the gyroscope's axes, then of the accelerometer's. */
+/* Six normal numbers: three for the gyroscope's axes, three for the accelerometer's. */
 static void draw(uint64_t seed, size_t index, uint32_t purpose, double normal[6]) {
     for (uint32_t pair = 0; pair < 3; pair++) {
         const td_random_bits bits = td_random(seed, pair, index, purpose);
@@ -126,7 +127,7 @@ tides_status tides_trajectory_imu(const tides_trajectory *trajectory, const tide
     tides_status status = take_imu(given, &imu, gravity, error);
     if (status == TIDES_OK && count)
         status = td_trajectory_check_smooth(trajectory, start, start + (double)(count - 1) / imu.rate_hz, error);
-    double *gyroscope = imu.gyroscope_bias, *accelerometer = imu.accelerometer_bias; /* as they are by now */
+    double *gyroscope = imu.gyroscope_bias, *accelerometer = imu.accelerometer_bias; /* biases at the current sample */
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         status = measure(trajectory, imu.metres_per_unit, gravity, start + (double)i / imu.rate_hz, &samples[i], error);
         if (status == TIDES_OK) disturb(&imu, i, gyroscope, accelerometer, &samples[i]);

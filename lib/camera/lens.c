@@ -1,9 +1,9 @@
-/* Lenses as the kernels take them: how far out a calibration's polynomial is used, what bounds hold of it, and whether it can
- * be undone wherever the image is.
+/* Prepares a lens for the kernels: how far out its polynomial is used, bounds on its slopes, and a check that it can be
+ * inverted everywhere in the image.
  *
- * Along a radius both lenses are G(s) = s (1 + k1 s^2 + k2 s^4 + k3 s^6 + k4 s^8), s = tan(theta) for radtan, theta for
- * equidistant. G' = 0 is where a lens folds over: within the image it is refused, beyond the corner d goes on straight from
- * half way to it (kernels/lens.h). */
+ * Along a radius both lens models are G(s) = s (1 + k1 s^2 + k2 s^4 + k3 s^6 + k4 s^8), with s = tan(theta) for radtan, theta
+ * for equidistant. Where G' = 0 the lens folds over. A fold within the image is refused. For a fold beyond the corner, the
+ * lens continues along a straight line from half way between the corner and the fold (kernels/lens.h). */
 #include "camera/td_lens.h"
 #include "camera/td_lens_models.h"
 #include "td_math.h"
@@ -14,23 +14,24 @@
 enum { STEPS = 1024, MAX_PIXELS = 16384, GRID = 32 };
 
 static const double right_angle = 1.57079632679489661923;
-/* How much farther than the corner polynomials are used at most, and the least slope with which d goes on. */
+/* The polynomial is used up to at most 1.25 times the corner's radius; the straight continuation has at least this slope. */
 static const double beyond_corner = 1.25, least_slope = 0.05;
-/* Beyond this angle nothing is left to go on for. */
+/* Beyond this angle [rad] there is no room for a straight continuation. */
 static const double widest = 1.5;
-/* |D(tangential)| <= 7 |p| r, and twice that where it goes on straight; |tangential| <= 3 |p| r^2. */
+/* Bounds of the tangential part, for coefficients of size |p| at radius r: the slope is at most 7 |p| r, and twice that on
+ * the straight continuation; the size is at most 3 |p| r^2. */
 static const double tangential_slope = 14, tangential_size = 3;
-/* By what pixels may be missed after kernels' Newton steps [px]. */
+/* Largest error of inverting the lens by the kernels' Newton steps [px]. */
 static const double undone_px = 1e-6;
 
-/* -- what it says -------------------------------------------------------------------------------------------------- */
+/* -- the given numbers -------------------------------------------------------------------------------------------------- */
 
-/* A number of the camera and where it must lie: the ranges of the run file's keys (lib/run/params_table.c). Within them no
- * product that is formed of them leaves single precision. `lenses`: a bit for each lens that has it. */
+/* A number of the camera and its allowed range, the same as of the run file's key. Within these ranges no product of the
+ * numbers overflows single precision. */
 typedef struct ranged {
     const char *name;
     double value, lower, upper;
-    int of_lens; /* 1: a coefficient, which not every model has */
+    int of_lens; /* 1: a coefficient, which only some models have */
 } ranged;
 
 static tides_status check_numbers(const ranged *numbers, size_t count, int model, tides_error *error) {
@@ -63,21 +64,21 @@ static tides_status check_camera(const tides_intrinsics *c, tides_error *error) 
 
 /* -- along a radius ------------------------------------------------------------------------------------------------ */
 
-/* G and its derivative by s. */
+/* G(s) and its derivative. */
 static double along(const td_lens *lens, double s, double *slope) {
     const td_of_w p = td_lens_polynomial(lens, s * s);
     *slope = p.f + 2 * s * s * p.first;
     return s * p.f;
 }
 
-/* G and its derivative by s, with the straight continuation from s1 on. */
+/* G(s) and its derivative, with the straight continuation from s1 on. */
 static double along_straight(const td_lens *lens, double s1, double s, double *slope) {
     if (s <= s1) return along(lens, s, slope);
     *slope = lens->straight_slope;
     return lens->straight_slope * s + lens->straight_offset;
 }
 
-/* |d| of the image's farthest corner. */
+/* Radius of the image's farthest corner, in distorted normalised coordinates. */
 static double corner_of(const td_image *image) {
     double most = 0;
     for (int k = 0; k < 4; k++)
@@ -86,7 +87,7 @@ static double corner_of(const td_image *image) {
     return most;
 }
 
-/* Places along a radius: s of the corner, and where polynomials end (0: nowhere). */
+/* Along a radius: s at the image's corner, and s where the polynomial ends (0: nowhere). */
 typedef struct radius {
     double corner, end;
 } radius;
@@ -116,9 +117,9 @@ static tides_status find_radius(const td_image *image, radius *found, tides_erro
 
 /* -- bounds -------------------------------------------------------------------------------------------------------- */
 
-/* Bounds of the slopes along and across a radius. */
+/* Bounds of the slopes along and across a radius. `outer` is the least slope along it from the corner on. */
 typedef struct bounds {
-    double most, least, outer; /* outer: the least along from the corner on */
+    double most, least, outer;
 } bounds;
 
 static bounds bounds_of(const td_image *image, const radius *r) {
@@ -144,7 +145,7 @@ static void set_bounds(td_image *image, const radius *r) {
     }
     const double slack = tangential_slope * tangential * r->end;
     const double least = fmax(fmin(b.least, lens->straight_slope) - slack, 0.1 * least_slope);
-    const double outer = fmax(b.outer - slack, 1e-9); /* so that nothing is ever outside */
+    const double outer = fmax(b.outer - slack, 1e-9); /* above 0, or nothing would ever count as outside the image */
     double range[4], tilt = 0;
     lens->stretch = fmax(b.most, lens->straight_slope) + slack;
     lens->slope = 1 / least;
@@ -153,7 +154,7 @@ static void set_bounds(td_image *image, const radius *r) {
         const double farthest = 1.3 * fmax(fabs(range[2 * k]), fabs(range[2 * k + 1]));
         tilt += farthest * farthest;
     }
-    lens->reach = 2 * lens->stretch * sqrt(1 + tilt) / outer; /* 2: whatever side of its clamps the Jacobian is on */
+    lens->reach = 2 * lens->stretch * sqrt(1 + tilt) / outer; /* the factor 2 covers a Jacobian on either side of its clamps */
     lens->tangential = tangential_size * tangential;
 }
 
@@ -169,8 +170,8 @@ void td_camera_range(const td_image *image, double range[4]) {
         }
 }
 
-/* Whether kernels find the ray of each pixel, and only one: on a grid. Directions of an equidistant lens that aren't in front
- * of the camera are left out. */
+/* Checks on a grid that the kernels find exactly one ray for each pixel. Directions of an equidistant lens that aren't in
+ * front of the camera are left out. */
 static tides_status check_undone(const td_image *image, tides_error *error) {
     for (int i = 0; i <= GRID; i++)
         for (int j = 0; j <= GRID; j++) {

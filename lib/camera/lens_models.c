@@ -1,4 +1,4 @@
-/* The table of lens models: what readers and writers of cameras, run files and messages say of each, once. */
+/* The table of lens models: names and coefficients, for readers and writers of cameras, run files and messages. */
 #include "camera/td_lens_models.h"
 #include "td_base.h"
 
@@ -6,7 +6,7 @@
 
 #define AT(member) offsetof(tides_lens, member)
 
-/* In the order of TIDES_LENS_*. */
+/* In the order of the TIDES_LENS_* values. */
 static const td_lens_model models[] = {
     {"none", "plumb_bob", 0, {NULL}, {0}},
     {"radtan", "plumb_bob", 5, {"k1", "k2", "p1", "p2", "k3"}, {AT(k1), AT(k2), AT(p1), AT(p2), AT(k3)}},

@@ -1,6 +1,6 @@
-/* A camera on a body. With the body at (R, p) and the mount at (M, m): (R M, p + R m), and as M and m rest, the rates are
- * (R_dot M, p_dot + R_dot m). So two cameras of a rig keep their distance to rounding at any time, which samples of each
- * camera's path with a spline through them wouldn't: between samples it strays by the splines' own error. */
+/* Poses of a camera mounted on a body. With the body at (R, p) and a resting mount (M, m), the camera is at (R M, p + R m),
+ * with rates (R_dot M, p_dot + R_dot m). So two cameras of a rig keep their distance exactly. With a spline through samples
+ * of each camera's path, the distance would vary between the samples. */
 #include "camera/td_mount.h"
 
 #include "camera/td_rotation.h"

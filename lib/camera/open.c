@@ -1,9 +1,9 @@
-/* Cubics from knot to knot, for paths that are told as they go (td_open.h).
+/* An open path's curve: a cubic from each knot to the next, for paths whose knots are appended during a run.
  *
- * Nothing here looks at a knot that comes later: a rate is taken back from the knots before it, to second order. One through
- * both neighbours would be better, and be known one knot late. Carrying on from the rate before (the parabola through a knot,
- * its rate and the next knot) would be C1 too; but there what a rate was off by comes back with the other sign at every knot,
- * for ever. */
+ * A missing rate comes from the knots before only, to second order, because a later knot must change nothing that was already
+ * used. A rate from both neighbours would be more accurate, but known one knot late. Continuing from the previous rate (by
+ * the parabola through a knot, its rate and the next knot) would be C1, too. But then a rate's error returns with the other
+ * sign at every knot, for ever. */
 #include "camera/td_open.h"
 
 #include "td_base.h"
@@ -17,7 +17,7 @@ static double chord(const td_knot *from, const td_knot *to, int k) {
     return (to->value[k] - from->value[k]) / (to->time - from->time);
 }
 
-/* The rate of the last of `count` knots. */
+/* Sets the rate of the last of `count` knots from the knots before it. */
 static void find_rates(td_knot *last, size_t count) {
     if (count < 2) return;
     for (int k = 0; k < WIDTH; k++) {
@@ -34,7 +34,7 @@ tides_status td_open_append(td_open *open, const td_knot *knot, int32_t with_rat
     if (status != TIDES_OK) return status;
     td_knot *last = open->knot + open->count;
     *last = *knot;
-    if (open->count == 1 && !first_has_rate) /* only the second knot says which */
+    if (open->count == 1 && !first_has_rate) /* the first knot's rate comes from the second knot */
         for (int k = 0; k < WIDTH; k++) last[-1].rate[k] = chord(last - 1, last, k);
     if (!with_rate) memset(last->rate, 0, sizeof last->rate);
     if (!with_rate) find_rates(last, open->count + 1);
@@ -54,7 +54,8 @@ size_t td_open_find(const td_open *open, double time) {
     return low;
 }
 
-/* The knot that `time` is, of number `from` and the next, or NULL. Knots are further apart than that (trajectory_open.c). */
+/* The knot at `time` (number `from` or the next), or NULL. Samples closer together than `slack` are refused, so at most one
+ * matches. */
 static const td_knot *knot_at(const td_open *open, size_t from, double time, double slack) {
     for (size_t i = from; i < open->count && i <= from + 1; i++)
         if (fabs(time - open->knot[i].time) <= slack) return &open->knot[i];
@@ -69,7 +70,7 @@ void td_open_at(const td_open *open, double time, double slack, double value[WID
         memcpy(rate, at->rate, sizeof at->rate);
         return;
     }
-    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): an open path has a knot */
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): an open path has at least one knot */
     const double span = to->time - from->time, u = (time - from->time) / span;
     for (int k = 0; k < WIDTH; k++) {
         const double rise = to->value[k] - from->value[k], start = span * from->rate[k], stop = span * to->rate[k];
@@ -82,7 +83,7 @@ void td_open_at(const td_open *open, double time, double slack, double value[WID
 size_t td_open_forget(td_open *open, double time) {
     const size_t kept = td_open_find(open, time), needed = open->count < 3 ? 0 : open->count - 3;
     const size_t gone = kept < needed ? kept : needed;
-    if (2 * gone < open->count) return 0; /* so that a knot is moved once, all told */
+    if (2 * gone < open->count) return 0; /* moves memory only once per knot on average */
     open->count -= gone;
     memmove(open->knot, open->knot + gone, open->count * sizeof *open->knot);
     return gone;

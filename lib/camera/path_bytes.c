@@ -1,5 +1,5 @@
-/* Little-endian numbers of binary camera files (COLMAP's .bin), one after the other, never beyond the end: a cursor that
- * fails once and stays failed. */
+/* Reads little-endian numbers one after the other from binary camera files (COLMAP's .bin). Reading beyond the end fails, and
+ * so do all later reads. */
 #include "camera/td_path_reader.h"
 
 #include "archive/td_numbers.h"

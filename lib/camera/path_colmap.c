@@ -1,11 +1,11 @@
-/* COLMAP's images.txt and images.bin, with the cameras beside them (colmap.c).
+/* COLMAP's images.txt and images.bin, which hold the poses, with the intrinsics from cameras.txt or cameras.bin beside them.
  *
  * Text: two lines per image, `ID QW QX QY QZ TX TY TZ CAMERA_ID NAME` and one of points, which is skipped (it may be empty);
  * '#' at a line's start is a comment. Binary, little-endian: uint64 count, then {uint32 id, double q[4], double t[3], uint32
  * camera, name ending in 0, uint64 points, 24 bytes for each}. q and t map the world to the camera in OpenCV axes.
  *
- * There are no times: images are put in the order of their names, digits as numbers, which in a video's is the order of time,
- * and spread over `duration`. */
+ * There are no times. Images are put in the order of their names, with digits as numbers, which for a video's frames is their
+ * order in time. They are spread evenly over `duration`. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_colmap.h"
@@ -23,7 +23,7 @@ typedef struct images {
     const td_colmap_cameras *cameras;
 } images;
 
-/* `v`: id, q, t, camera. Body to world is the inverse of what the file has. */
+/* Converts an image's numbers `v` (id, q, t, camera) to a pose. The file maps world to camera; the pose is the inverse. */
 static tides_status set_pose(const images *m, const char *where, const double v[NUMBERS], tides_pose_sample *pose) {
     double q[4] = {v[1], v[2], v[3], v[4]}, rotation[9];
     tides_status status = td_path_check_quaternion(m->reader, where, q, "QW QX QY QZ");
@@ -37,7 +37,7 @@ static tides_status set_pose(const images *m, const char *where, const double v[
     return TIDES_OK;
 }
 
-/* `where` names line or image in messages. */
+/* Appends an image. `where` names its line or number in messages. */
 static tides_status add(images *m, const char *where, size_t place, const double v[NUMBERS], const char *name, size_t length) {
     td_path_sample *made = td_path_append(m->reader, place);
     if (!made) return TIDES_NO_MEMORY;
@@ -78,7 +78,7 @@ static tides_status read_text(images *m) {
         const char *data = td_text_skip(c);
         int has_image = !td_text_ends(data);
         if (has_image) status = read_line(m, line, data);
-        for (int k = 0; k < 1 + has_image && *c; k++) { /* an image's points are on the line behind it */
+        for (int k = 0; k < 1 + has_image && *c; k++) { /* the next line has the image's points */
             c += strcspn(c, "\n");
             c += *c == '\n';
         }

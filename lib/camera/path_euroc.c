@@ -1,6 +1,6 @@
-/* The camera on the body whose poses EuRoC's state_groundtruth csv has: T_BS of its sensor.yaml maps the camera's axes to the
- * body's. It is looked for in ../cam0, where EuRoC has it, then beside the csv; without one the path is the body's. From the
- * same file: the intrinsics, where it has them. */
+/* The camera of an EuRoC recording. The poses of its csv are the body's, and T_BS of the camera's sensor.yaml maps camera
+ * axes to body axes. The file is looked for in ../cam0 and then beside the csv. It also gives the intrinsics. Without it, the
+ * path stays the body's. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
@@ -13,9 +13,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* -- sensor.yaml: keys of it ----------------------------------------------------------------------------------------------- */
+/* -- keys of sensor.yaml ----------------------------------------------------------------------------------------------- */
 
-/* Behind `key:` at a line's start; NULL: it isn't there. */
+/* The text behind `key:` at a line's start; NULL if there is none. */
 static const char *yaml_find(const char *text, const char *key) {
     const size_t length = strlen(key);
     while (text && (strncmp(text, key, length) != 0 || text[length] != ':'))
@@ -28,11 +28,11 @@ static int yaml_list(const char *text, const char *key, double *values, int coun
     return at && td_yaml_row(at, values, count) != NULL;
 }
 
-/* A matrix by rows: the list behind the `data:` within it, or rows of four. */
+/* Reads a 4x4 matrix by rows: a list behind `data:` within the key's value, or rows of four numbers. */
 static int yaml_matrix(const char *text, const char *key, double m[16]) {
     const char *at = yaml_find(text, key), *data;
     if (!at) return 0;
-    const char *end = at; /* of what is further to the right */
+    const char *end = at; /* the value ends where the indentation does */
     do end += strcspn(end, "\n") + (strchr(end, '\n') != NULL);
     while (*end && strchr(" \t\n-#", *end));
     data = strstr(at, "data:");
@@ -48,7 +48,7 @@ static int yaml_says(const char *text, const char *key, const char *word) {
     return strncmp(at, word, strlen(word)) == 0;
 }
 
-/* Content of a sensor's file; `found` is 1 where there is one. */
+/* Content of a sensor.yaml; `found` is 1 if the file exists. */
 typedef struct sensor {
     int found;
     double rotation[9], position[3]; /* sensor to body */
@@ -77,7 +77,7 @@ static tides_status parse_sensor(td_path_reader *reader, const char *file, const
         int good = f[0] > 0 && f[1] > 0;
         for (int k = 0; k < 2; k++) good &= pixels[k] >= 1 && pixels[k] <= INT32_MAX && pixels[k] == floor(pixels[k]);
         if (!good) return td_fail(reader->error, TIDES_BAD_FILE, "%s: resolution and intrinsics must be above 0", file);
-        /* Pixel centres are whole numbers there, as in OpenCV. */
+        /* The file's pixel centres are at whole numbers, ours at halves. */
         *out = (tides_intrinsics){(int32_t)pixels[0], (int32_t)pixels[1], f[0], f[1], f[2] + 0.5, f[3] + 0.5, {0}};
     }
     if (yaml_list(text, "distortion_coefficients", bent, 4)) {
@@ -93,7 +93,7 @@ static tides_status parse_sensor(td_path_reader *reader, const char *file, const
     return TIDES_OK;
 }
 
-/* Reads `place` beside the path's file: a sensor's pose, and a camera's lens. */
+/* Reads the sensor.yaml at `place`, relative to the path's file: the sensor's pose, and a camera's intrinsics. */
 static tides_status load_sensor(td_path_reader *reader, const char *place, int is_camera, sensor *s) {
     char *file = td_beside(reader->file, place, reader->error), *text = NULL;
     size_t bytes = 0;
@@ -108,7 +108,7 @@ static tides_status load_sensor(td_path_reader *reader, const char *place, int i
     return status;
 }
 
-/* T_C_I = T_BC^-1 T_BI: the IMU as the camera has it. EuRoC's body is its IMU unless that says otherwise. */
+/* Sets the pose of the IMU in the camera's axes, T_C_I = T_BC^-1 T_BI. Without a sensor.yaml of the IMU, it is the body. */
 static void place_imu(const sensor *camera, const sensor *imu, tides_path *path) {
     double *t = path->T_C_I;
     for (int i = 0; i < 3; i++) {
@@ -125,7 +125,7 @@ static void place_imu(const sensor *camera, const sensor *imu, tides_path *path)
     path->has_imu = 1;
 }
 
-/* Camera to world: body to world times sensor to body. */
+/* Turns a body's pose into the camera's: camera to world = (body to world) (camera to body). */
 static void mount(const sensor *s, tides_pose_sample *pose) {
     double q[4], body[9], camera[9];
     memcpy(q, pose->quaternion, sizeof q);

@@ -1,4 +1,4 @@
-/* Camera paths that are folders (COLMAP's, nerfstudio's, EuRoC's ...): which file of it to read. Reading is the format's. */
+/* Finds the camera path within a folder (of COLMAP, nerfstudio, EuRoC ...): the first file of a known name. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Files to look for, in this order: a dataset that holds several of them is read by the first. */
+/* Names to look for. The order decides if a dataset has several of them. */
 static const char *const places[] = {"images.bin",
                                      "images.txt",
                                      "sparse/0/images.bin",
@@ -30,7 +30,8 @@ static const char *const places[] = {"images.bin",
                                      "stamped_groundtruth.txt"};
 enum { PLACES = sizeof places / sizeof places[0] };
 
-/* COLMAP's images come with cameras; the Event Camera Dataset has an images.txt of its own. */
+/* 1 if the file is an images.txt without a cameras file beside it. The Event Camera Dataset has an images.txt that isn't
+ * COLMAP's. */
 static int is_alone(const char *file, tides_error *error) {
     if (strncmp(td_base_name(file), "images.", 7) != 0) return 0;
     int found = 0;
@@ -43,7 +44,7 @@ static int is_alone(const char *file, tides_error *error) {
 }
 
 tides_status td_path_find(const char *folder, char **file, tides_error *error) {
-    char *alone = NULL; /* read where nothing else is: its reader says what is missing */
+    char *alone = NULL; /* read only if nothing else is found; the reader's error then says what is missing */
     *file = NULL;
     for (size_t k = 0; k < PLACES && !*file; k++) {
         struct stat facts;

@@ -1,7 +1,7 @@
-/* nerfstudio's dataparser_transforms.json: from the frame of the data, in which transforms.json and COLMAP's files have
- * cameras, to the trainer's, in which ns-export writes splats: x' = scale (R x + t). Its transform counts from before what
- * ns-process-data applied, which transforms.json has in its poses already and says as applied_transform and applied_scale: that
- * is taken out. */
+/* Applies nerfstudio's dataparser_transforms.json to a path: x' = scale (R x + t). It maps the data's frame, that of
+ * transforms.json and COLMAP's files, to the trainer's, in which ns-export writes splats. Its transform includes what
+ * ns-process-data did before. The poses in transforms.json already have that (applied_transform, applied_scale), so it is
+ * divided out. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
@@ -11,12 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* x' = scale (rotation x + position). */
+/* The map x' = scale (rotation x + position). */
 typedef struct frame {
     double rotation[9], position[3], scale;
 } frame;
 
-/* The 3x4 matrix and the number of an object, a rotation and above 0; both as they are where it has none. */
+/* Reads an object's 3x4 matrix, which must be a rotation and translation, and its scale, above 0. Missing ones leave `f`
+ * unchanged. */
 static tides_status read_frame(td_path_reader *reader, const cJSON *object, const char *transform, const char *scale,
                                frame *f) {
     double m[12], q[4];
@@ -39,7 +40,7 @@ static tides_status read_frame(td_path_reader *reader, const cJSON *object, cons
     return status;
 }
 
-/* The rest of `whole` that remains to be applied after `applied`. */
+/* The map that has to follow `applied` to give `whole`. */
 static frame without(const frame *whole, const frame *applied) {
     frame left = {.scale = whole->scale / applied->scale};
     for (int i = 0; i < 3; i++) {

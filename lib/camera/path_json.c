@@ -1,4 +1,4 @@
-/* JSON helpers of the path readers: every failure names the file, the path to the value, and what it should have been. */
+/* JSON helpers of the path readers. Each error names the file, the path to the value, and what was expected. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
@@ -37,7 +37,7 @@ tides_status td_json_number(td_path_reader *reader, const cJSON *object, const c
     return TIDES_OK;
 }
 
-/* `list` must be exactly `count` finite numbers; 0 where not. */
+/* Reads a list of exactly `count` finite numbers; returns 0 if it is something else. */
 static int read_numbers(const cJSON *list, double *values, int count) {
     if (!cJSON_IsArray(list) || cJSON_GetArraySize(list) != count) return 0;
     const cJSON *item;
@@ -107,8 +107,8 @@ tides_status td_json_opengl_pose(td_path_reader *reader, const char *where, cons
     return td_json_rotation(reader, where, key, rotation, pose->quaternion);
 }
 
-/* Largest difference of R^T R from the identity that still is a rotation: files with four decimals are in, scaled and sheared
- * matrices are out. */
+/* Largest entry of R^T R - 1 for which R counts as a rotation: four decimals in a file pass, scaled or sheared matrices
+ * don't. */
 #define TD_ROTATION_TOLERANCE 1e-3
 
 tides_status td_json_rotation(td_path_reader *reader, const char *where, const char *key, const double rotation[9],

@@ -1,8 +1,8 @@
 /* Reads text files with one pose for each line: a camera-to-world matrix in OpenCV axes, row by row. A line has 12 numbers (the
  * upper 3x4 part, as in KITTI's odometry) or 16 (the whole 4x4 matrix).
  *
- * One more number may stand in front of them: a time, or the frame's number (KITTI-360). options.time_unit says
- * which of the two it is. Without that option td_path_find_unit takes it for a time, and fails if it may be a frame's number.
+ * An additional number may precede them: a time, or the frame's number (KITTI-360). options.time_unit says which. Without
+ * that option it counts as a time, and a file whose numbers may be those of frames is refused.
  *
  * Poses without times are spread evenly over [0, options.duration], in the order of the lines. */
 #include "camera/td_path_reader.h"

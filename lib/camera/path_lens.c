@@ -1,4 +1,4 @@
-/* Lenses of path files. OpenCV's names: k1 k2 p1 p2 k3 of radtan, k1 to k4 of equidistant (its fisheye). */
+/* Makes lenses from coefficients in OpenCV's order: k1 k2 p1 p2 k3 for radtan, k1 to k4 for equidistant (OpenCV's fisheye). */
 #include "camera/td_path_reader.h"
 
 tides_lens td_radtan(const double k[5]) {

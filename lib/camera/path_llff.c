@@ -1,6 +1,6 @@
-/* LLFF's poses_bounds.npy (also Neu3D's): n rows of 17 numbers, a 3x5 matrix by rows and two depths. The matrix's columns are
- * the camera's down, right and back in the world, its centre, and (height, width, focal length) [px]. No times: poses are
- * spread over `duration` in the order of the rows; the principal point is the image's middle. */
+/* LLFF's poses_bounds.npy (also used by Neu3D): n rows of 17 numbers, a 3x5 matrix by rows and two depths. The matrix's
+ * columns are the camera's down, right and back directions in the world, its centre, and (height, width, focal length) [px].
+ * There are no times: poses are spread over `duration` in the order of the rows. The principal point is the image's middle. */
 #include "camera/td_path_reader.h"
 
 #include "archive/td_npy.h"

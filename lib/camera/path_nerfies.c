@@ -1,13 +1,13 @@
-/* Nerfies' and HyperNeRF's cameras, one JSON file each: orientation (world to camera by rows, OpenCV axes), position (the
- * camera's centre), focal_length, principal_point, pixel_aspect_ratio, image_size; skew and distortion aren't simulated. A
- * single file is a camera at rest. A folder camera/ of them, or the dataset's folder around it, is a path:
+/* Nerfies' and HyperNeRF's cameras, one JSON file each. Keys: orientation (world to camera by rows, OpenCV axes), position
+ * (the camera's centre), focal_length, principal_point, pixel_aspect_ratio, image_size. Skew and distortion aren't simulated.
+ * A single file is a camera at rest. A folder camera/ of such files, or the dataset's folder around it, is a path, with
  *
- *   scene.json     beside that folder (or the files): `center` and `scale` make p = (position - center) scale, unless
- *                  option raw_positions leaves the positions alone, which is how 4DGaussians trains
- *   metadata.json  in the same place: the name's warp_id (or time_id) over the largest is the time in [0, 1], which the option
- *                  `duration` multiplies; without it, files are spread over `duration` in the order of their names
+ *   scene.json     beside camera/ (or the files): `center` and `scale` make p = (position - center) scale. Option
+ *                  raw_positions leaves the positions unchanged, as 4DGaussians trains.
+ *   metadata.json  in the same place: an entry's warp_id (or time_id), divided by the largest, is the time in [0, 1], which
+ *                  option `duration` multiplies. Without it, files are spread over `duration` in the order of names.
  *
- * Two cameras of a rig share their ids: put the files of one into a folder. */
+ * Two cameras of a rig have the same ids, so only one camera's files may be in the folder. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
@@ -43,7 +43,7 @@ static cJSON *load_json(td_path_reader *reader, const char *file) {
     return root;
 }
 
-/* "FOLDER/NAME" or "FOLDER/../NAME", whichever is there; `*found` is NULL where neither is. */
+/* Finds "FOLDER/NAME" or "FOLDER/../NAME"; `*found` is NULL if neither exists. */
 static tides_status find_beside(const td_path_reader *reader, const char *folder, const char *name, char **found) {
     *found = NULL;
     for (int k = 0; k < 2; k++) {
@@ -76,7 +76,7 @@ static tides_status load_scene(nerfies *n, const char *folder) {
     return status;
 }
 
-/* The id of one entry of metadata.json; 0 where it has none. */
+/* The id in an entry of metadata.json; returns 0 if it has none. */
 static int id_of(const cJSON *entry, double *id) {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(entry, "warp_id");
     if (!item) item = cJSON_GetObjectItemCaseSensitive(entry, "time_id");
@@ -115,7 +115,7 @@ static tides_status read_intrinsics(td_path_reader *one, const cJSON *root, tide
     return TIDES_OK;
 }
 
-/* radial_distortion (k1 k2 k3) and tangential_distortion (p1 p2), each of which may be left out. */
+/* Reads radial_distortion (k1 k2 k3) and tangential_distortion (p1 p2); either may be missing. */
 static tides_status read_lens(td_path_reader *one, const cJSON *root, tides_lens *lens) {
     double radial[3] = {0}, tangential[2] = {0};
     tides_status status = TIDES_OK;
@@ -126,13 +126,13 @@ static tides_status read_lens(td_path_reader *one, const cJSON *root, tides_lens
     return status;
 }
 
-/* No lens has axes that aren't at right angles. */
+/* 1 if the pixel axes aren't at right angles: no lens of TIDES has that. */
 static int is_skewed(const cJSON *root) {
     const cJSON *skew = cJSON_GetObjectItemCaseSensitive(root, "skew");
     return cJSON_IsNumber(skew) && skew->valuedouble != 0;
 }
 
-/* A camera of the path; `file` is where `root` is from. */
+/* Appends a camera to the path; `file` is its file. */
 static tides_status add_camera(nerfies *n, const char *file, const cJSON *root) {
     td_path_reader *reader = n->reader, one = *reader;
     double world_to_camera[9], rotation[9];

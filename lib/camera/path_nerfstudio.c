@@ -3,11 +3,11 @@
  *   {"camera_type": "perspective", "render_width": 1920, "render_height": 1080, "fps": 24, "seconds": 4,
  *    "camera_path": [{"camera_to_world": [16 numbers by rows], "fov": 50}, ...], "keyframes": [...], ...}
  *
- * camera_to_world is in OpenGL axes; fov [degrees] is that of the image's height. Pose k of n is at k seconds / n, as ns-render
- * puts them into its film (a Blender file's last frame is then a frame before its end); without "seconds" at k / fps, without
- * either they are spread over `duration`. nerfstudio's fisheye has its image height's focal length too, and the angle off the
- * axis as its radius: the equidistant lens without coefficients. Keyframes are what the viewer made the path of, by splines of
- * its own, and have had several forms: they aren't read. Keys that aren't named here are ignored. */
+ * camera_to_world is in OpenGL axes; fov [degrees] is over the image's height. Pose k of n is at k seconds / n, as in
+ * ns-render's film (so a Blender file's last frame is one frame before its end). Without "seconds" it is at k / fps, and
+ * without "fps" poses are spread over `duration`. nerfstudio's fisheye is the equidistant lens without coefficients, with a
+ * focal length from the same fov. "keyframes", from which the viewer made the path by its own splines, have had several
+ * forms, and aren't read. Keys that aren't named here are ignored. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
@@ -16,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The camera that all poses share but for their angles of view. */
+/* The camera model and size, common to all poses; only fov may vary. */
 static tides_status read_camera(td_path_reader *reader, const cJSON *root, tides_intrinsics *out) {
     const cJSON *type = cJSON_GetObjectItemCaseSensitive(root, "camera_type");
     const char *name = cJSON_IsString(type) ? type->valuestring : "perspective";
@@ -31,7 +31,7 @@ static tides_status read_camera(td_path_reader *reader, const cJSON *root, tides
     return status;
 }
 
-/* How long one pose lasts [s]; 0 where the file doesn't say. */
+/* Reads the time between poses [s]; 0 if the file has none. */
 static tides_status read_interval(td_path_reader *reader, const cJSON *root, int count, double *interval) {
     static const char *const keys[] = {"seconds", "fps"};
     *interval = 0;

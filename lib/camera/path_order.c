@@ -1,4 +1,4 @@
-/* The order of poses: by their pictures' names where a file has no times, and whether what came out leaps. */
+/* Sorts poses by their pictures' names if a file has no times, and notes where a path leaps. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A step above so many middle ones is a leap; of fewer steps than that nothing is said. */
+/* A step of more than 10 times the median is a leap. With fewer than 5 steps nothing is reported. */
 enum { LEAP = 10, LEAST_STEPS = 5 };
 
 void td_path_note(td_path_reader *reader, const char *format, ...) {
@@ -33,7 +33,7 @@ void td_path_name_place(const td_path_reader *reader, const char *file, size_t p
 
 static int is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/* Digits from `at` on; zeros in front don't count. */
+/* A run of digits from `at` on, without leading zeros. */
 typedef struct digits {
     const char *first;
     size_t length, end;
@@ -89,7 +89,7 @@ void td_path_order(td_path_reader *reader, int say) {
 
 /* -- leaps --------------------------------------------------------------------------------------------------------------- */
 
-/* How far two poses are apart: places, and angles [rad]. */
+/* Distance [scene units] and angle [rad] between two poses. */
 static void measure_step(const td_path_sample *from, const td_path_sample *to, double step[2]) {
     double square = 0, dot = 0, p[4], q[4];
     memcpy(p, from->pose.quaternion, sizeof p);
@@ -110,7 +110,8 @@ static int by_value(const void *left, const void *right) {
     return a < b ? -1 : a > b;
 }
 
-/* The middle of those that aren't 0, for cameras that stand still now and then; 0 where there are none. `room` is as long. */
+/* The median of the values that aren't 0 (a camera may stand still now and then); 0 if all are. `room` is as long as
+ * `values`. */
 static double middle(const double *values, size_t stride, size_t count, double *room) {
     size_t n = 0;
     for (size_t i = 0; i < count; i++)
@@ -120,7 +121,7 @@ static double middle(const double *values, size_t stride, size_t count, double *
     return room[n / 2];
 }
 
-/* Steps of a kind, and how fast they are: one that only bridges a gap in time is none. */
+/* Distance, angle, and their rates. A step is a leap only if its rate leaps, too: otherwise it bridges a gap in time. */
 enum { PLACE, TURN, SPEED, RATE, KINDS };
 
 static void note_leaps(td_path_reader *reader, const double *steps, size_t count, double *room) {

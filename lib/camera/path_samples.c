@@ -1,4 +1,4 @@
-/* The samples that a reader of a path file collects: appended, timed against the first, sorted. */
+/* The list of samples that a path reader collects: appends, computes times relative to the first, sorts by time. */
 #include "camera/td_path_reader.h"
 
 #include <stdlib.h>

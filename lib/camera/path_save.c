@@ -1,5 +1,5 @@
-/* Writes a path as TIDES's own JSON (path_tides.c), one sample per line, numbers with as many digits as they need to read
- * back as they were. The file is written beside and renamed, so that a path file is never half there. */
+/* Writes a path as TIDES's own JSON, one sample per line. Numbers have as many digits as are needed to read them back
+ * exactly. The file is written beside its place and renamed, so that a path file is never incomplete. */
 #include "tides/camera.h"
 
 #include "camera/td_rotation.h"
@@ -38,7 +38,7 @@ static void write_path(FILE *out, const tides_trajectory *trajectory, const tide
     fputs("  \"samples\": [\n", out);
     for (size_t i = 0; i < count; i++) {
         tides_pose_sample sample;
-        if (tides_trajectory_sample(trajectory, i, &sample, NULL) != TIDES_OK) continue; /* can't be: i < count */
+        if (tides_trajectory_sample(trajectory, i, &sample, NULL) != TIDES_OK) continue; /* can't fail: i < count */
         fprintf(out, "    {\"t\": %s", TD_SHORT(sample.time));
         write_vector(out, "position", sample.position, 3);
         write_vector(out, "quaternion", sample.quaternion, 4);
@@ -74,7 +74,7 @@ tides_status tides_path_save(const char *file, const tides_trajectory *trajector
     tides_status status = tides_file_named(file, ".json", error);
     if (status == TIDES_OK) status = td_text_open(&text, file, error);
     if (status != TIDES_OK) return status;
-    const locale_t before = uselocale(text.plain); /* JSON has decimal points whatever the program's locale; TD_SHORT, too */
+    const locale_t before = uselocale(text.plain); /* JSON needs decimal points whatever the program's locale */
     write_path(text.file, trajectory, intrinsics);
     uselocale(before);
     return td_text_close(&text, TIDES_OK, error);

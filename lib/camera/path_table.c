@@ -1,6 +1,6 @@
-/* Texts whose rows are poses, by the line that names their columns, else as the format has them: TUM's `t tx ty tz qx qy qz qw`
- * (seconds, blanks between), ESIM's csv `t, x, y, z, qx, qy, qz, qw` (nanoseconds, commas between), EuRoC's csv of 17 columns
- * and more, `t, x, y, z, qw, qx, qy, qz ...`. All hold body-to-world poses; '#' starts a comment. */
+/* Texts with a pose in each row. A header line may name the columns. Otherwise the format does: TUM `t tx ty tz qx qy qz qw`
+ * (seconds, blanks), ESIM `t, x, y, z, qx, qy, qz, qw` (nanoseconds, commas), EuRoC `t, x, y, z, qw, qx, qy, qz ...` (17 or
+ * more columns, commas). All poses are body to world; '#' starts a comment. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
@@ -14,7 +14,7 @@ enum { TIME, POSITION, QUATERNION = 4, NEEDED = 8, EUROC_COLUMNS = 17 };
 
 static const char *const plain_names[NEEDED] = {"time", "x", "y", "z", "qx", "qy", "qz", "qw"};
 
-/* By what names columns go: the surest first. */
+/* Names of each column, the most specific first. '*' stands for any letters. */
 #define TD_PLACES(k) "t" k "|p" k "|" k "|*position" k "|*translation" k "|*location" k "|*pos" k "|p*" k "|t*" k
 #define TD_TURNS(k) "q" k "|*orientation" k "|*quaternion" k "|*quat" k "|*rotation" k "|q*" k "|rot" k "|r" k
 static const char *const names[NEEDED] = {"*headerstamp|t|ts|time|timestamp|timestamps|times|stamp|*timestamp|*stamp",
@@ -25,12 +25,12 @@ static const char *const names[NEEDED] = {"*headerstamp|t|ts|time|timestamp|time
                                           TD_TURNS("y"),
                                           TD_TURNS("z"),
                                           TD_TURNS("w") "|w"};
-/* A column of one of these stands in for times. */
+/* Columns of these names count poses. They are accepted in place of times. */
 static const char numbers_of_poses[] = "frame|frameid|framenumber|index|idx|id|i|n|seq|number|image|imageid";
 
 /* -- which columns ------------------------------------------------------------------------------------------------------- */
 
-/* Fields of the row at `c`. */
+/* Counts the fields of the row at `c`. */
 static int count_fields(const char *c, int commas) {
     int count = 0;
     for (; !td_text_ends(c); count++) {
@@ -45,7 +45,7 @@ static int count_fields(const char *c, int commas) {
     return count;
 }
 
-/* Metres of the positions' unit; 0: it isn't one, or they don't agree. */
+/* Metres in the positions' unit; 0 if it is no unit of length, or the columns' units differ. */
 static double metres_of(const td_columns *c, const int place[NEEDED]) {
     double metres[3];
     for (int k = 0; k < 3; k++) {
@@ -55,7 +55,7 @@ static double metres_of(const td_columns *c, const int place[NEEDED]) {
     return metres[0] == metres[1] && metres[1] == metres[2] ? metres[0] : 0;
 }
 
-/* Finds a header line's names. Returns how many of the pose's columns it has; 7 of them are all but the time. */
+/* Finds the columns named in a header line. Returns how many of the 8 were found; 7 are all but the time. */
 static int match(const td_columns *c, td_path_table *table, int *timed) {
     int found = 0;
     table->place[TIME] = td_columns_time(c, names[TIME], &table->digits);
@@ -84,8 +84,8 @@ static tides_status fail_names(td_path_reader *reader, const td_columns *c, cons
                    reader->file, line);
 }
 
-/* The line at `c` names the columns of rows that have `table->columns`: takes it. A comment may be any prose: it counts where
- * it has as many words, and says what a pose has. */
+/* Takes the line at `c` as the header of rows with `table->columns` fields. A comment may be any prose: it counts only if it
+ * has as many words, and they name a pose's columns. */
 static tides_status take_names(td_path_reader *reader, const char *c, size_t line, int comment, td_path_table *table) {
     td_columns columns;
     td_path_table made = *table;
@@ -93,7 +93,7 @@ static tides_status take_names(td_path_reader *reader, const char *c, size_t lin
     if (!td_columns_parse(c, &columns) || (comment && columns.count != table->columns)) return TIDES_OK;
     const int found = match(&columns, &made, &timed);
     if (found < (comment ? 4 : 2) && (made.place[TIME] < 0 || (comment && made.place[TIME] > 0))) return TIDES_OK;
-    if (td_columns_find(&columns, "cameraid") >= 0) return TIDES_OK; /* COLMAP's */
+    if (td_columns_find(&columns, "cameraid") >= 0) return TIDES_OK; /* a header of COLMAP's images.txt */
     const int numbered = !timed && made.place[TIME] == TD_COLUMN_NONE && td_columns_find(&columns, numbers_of_poses) >= 0;
     if (found < NEEDED - 1 || !(timed || numbered)) return fail_names(reader, &columns, &made, line);
     if (columns.count != table->columns)
@@ -117,7 +117,7 @@ static const char *next_line(const char *c) {
 
 static int is_comment(const char *c) { return *c == '#' || *c == '%' || (c[0] == '/' && c[1] == '/'); }
 
-/* The first row of numbers; `*header` is the line before it that is no comment, or NULL. */
+/* The first row of numbers. `*header`: the last line before it that isn't a comment, or NULL. */
 static const char *first_row(const char *text, const char **header) {
     td_columns columns;
     *header = NULL;
@@ -166,7 +166,7 @@ static tides_status fail_column(const td_path_reader *reader, size_t line, int c
                    line, column + 1, plain_names[field], td_path_quote(at, strcspn(at, " \t\r\n,;"), word));
 }
 
-/* Takes the field at `*c`, of column `column`: `*value` and for times where it stands. 0 where it is no number. */
+/* Reads the field at `*c` of column `column`: `*value`, and `*at`, where a time's digits begin. 0 if it is no number. */
 static int take_number(const char **c, int commas, const char **at, double *value) {
     const int quoted = **c == '"';
     *at = *c + quoted;
@@ -198,7 +198,7 @@ static tides_status fail_count(const td_path_reader *reader, size_t line, const 
                    table->commas ? "t_ns, x, y, z, qx, qy, qz, qw" : "t tx ty tz qx qy qz qw");
 }
 
-/* A row: its pose, and where its time stands. */
+/* Reads a row: its pose, and the position of its time in the text. */
 static tides_status read_row(const td_path_reader *reader, const td_path_table *table, const char *c, td_path_sample *sample) {
     const int columns = table->columns;
     double v[NEEDED] = {0};

@@ -1,4 +1,4 @@
-/* Lines of numbers, for the readers of path files that are text. */
+/* Parses lines of numbers, for the readers of path files that are text. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Files write unit quaternions with four decimals or more; a length beyond this says that the columns are others. */
+/* Files write unit quaternions with at least four decimals. If the length is off by more, the columns have another meaning. */
 #define TD_QUATERNION_TOLERANCE 0.05
 
 const char *td_text_skip(const char *c) { return c + strspn(c, " \t\r"); }
@@ -35,7 +35,7 @@ static int decimals_of(const char *data, const char *end) {
 }
 
 tides_status td_text_take(td_text_lines *lines, const td_path_reader *reader, size_t line, const char *data) {
-    enum { ENOUGH = 2 /* lines that say what is usual */ };
+    enum { ENOUGH = 2 /* lines needed to know what is usual */ };
     const char *end = data + strcspn(data, "#\n");
     const int columns = columns_of(data, end), decimals = decimals_of(data, end);
     const int less = columns < lines->columns || (columns == lines->columns && decimals < lines->decimals);
@@ -64,7 +64,7 @@ void td_text_time(const char *c, int places, td_path_sample *sample, const char 
     if (*point == '.') decimals = 1 + strspn(point + 1, "0123456789");
     errno = 0;
     long long units = strtoll(c, NULL, 10);
-    if (point + decimals != after || errno != 0) return; /* an exponent, or too long for 64 bits: the double must do */
+    if (point + decimals != after || errno != 0) return; /* an exponent, or too many digits for 64 bits: the double is kept */
     long long seconds = units / per_second;
     double fraction = decimals > 1 ? strtod(point, NULL) : 0.0;
     double rest = ((double)(units % per_second) + (*c == '-' ? -fraction : fraction)) / (double)per_second;

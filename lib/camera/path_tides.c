@@ -9,8 +9,8 @@
  *        "velocity": [x, y, z], "angular_velocity": [x, y, z]},                                   both or neither; world axes
  *       ...
  *     ],
- *     "open": false                     (may be left out) true: they are an open path's, cubics from sample to sample: what a
- *   }                                    live run was told
+ *     "open": false                     (may be left out) true: a live run's open path, with cubics between them
+ *   }
  *
  * Times are seconds, in strictly increasing order. Instead of "samples" the file may hold one generator, with the fields of
  * its struct in trajectory.h:
@@ -41,7 +41,7 @@ typedef struct field {
 } field;
 
 static tides_status read_fields(td_path_reader *reader, const cJSON *object, const char *where, const field *fields) {
-    const char *keys[12] = {"seed"}; /* its type is special: read_seed; handheld alone has it */
+    const char *keys[12] = {"seed"}; /* "seed" isn't a number like the others: only "handheld" has it, and read_seed reads it */
     size_t known = strcmp(where, "handheld") == 0;
     for (const field *f = fields; f->key; f++) keys[known++] = f->key;
     keys[known] = NULL;
@@ -71,7 +71,7 @@ static tides_status read_seed(td_path_reader *reader, const cJSON *object, uint6
                         "must be a whole number from 0 to 2^53, or a string of digits for more (below 2^64)");
 }
 
-/* `start` and `rebase` move a generated path as they would move samples. */
+/* Applies the options `start` and `rebase` to a generated path, as they apply to samples. */
 static void shift_range(const td_path_reader *reader, double *start, double *stop) {
     const td_path_sample first = {.time = *start};
     double origin = td_path_origin(reader, &first).time;
@@ -155,7 +155,7 @@ static tides_status read_samples(td_path_reader *reader, const cJSON *list) {
     return TIDES_OK;
 }
 
-/* {"model": "radtan"} or "equidistant", and its coefficients; 0 where left out. */
+/* Reads {"model": "radtan"} or "equidistant", and the coefficients, which are 0 if missing. */
 static tides_status read_lens(td_path_reader *reader, const cJSON *object, tides_lens *lens) {
     static const char *const keys[] = {"k1", "k2", "k3", "k4", "p1", "p2", "model", NULL}, *where = "intrinsics.lens";
     double *values[] = {&lens->k1, &lens->k2, &lens->k3, &lens->k4, &lens->p1, &lens->p2};
@@ -188,7 +188,7 @@ static tides_status read_intrinsics(td_path_reader *reader, const cJSON *object,
 static tides_status check_root(td_path_reader *reader, const cJSON *root) {
     static const char *const keys[] = {"format", "version", "intrinsics", "open", "samples",
                                        "orbit",  "dolly",   "handheld",   NULL};
-    enum { SOURCES = 4 }; /* from here on */
+    enum { SOURCES = 4 }; /* keys from here on are sources of the path */
     double version = 0.0;
     tides_status status = td_json_check_keys(reader, root, "", keys);
     if (status == TIDES_OK) status = td_json_number(reader, root, "", "version", &version);

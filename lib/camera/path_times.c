@@ -1,6 +1,6 @@
-/* The unit of a path file's times. A unit that is given decides; else the format's own unit where its result is plausible, or
- * else the one unit whose result is. Numbers that could be in several units, or no times at all, are refused: a path that is
- * played a thousand times too fast looks like one that fits. */
+/* Finds the unit of a path file's times. A unit in the options or the file decides. Otherwise it is the format's own unit if
+ * the times are plausible in it, or the only unit in which they are. Several plausible units, or numbers that aren't times,
+ * are refused: a path a thousand times too fast would look right. */
 #include "camera/td_path_reader.h"
 
 #include "td_columns.h"
@@ -10,17 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Beyond this no clock counts in seconds (5138 AD); poses come at intervals between these. */
+/* Larger times can't be in seconds (year 5138). Intervals between poses lie between the next two. */
 #define TD_LARGEST_TIME 1e11
 #define TD_SHORTEST_STEP 2e-4 /* [s] 5 kHz */
 #define TD_LONGEST_STEP 100.0 /* [s] */
 
-/* Properties of the numbers in the column of times. */
+/* Facts about the numbers in the column of times. */
 typedef struct numbers {
-    double last, step; /* the largest, and the middle of the steps */
+    double last, step; /* the largest number, and the median step */
     int whole;         /* 1: none has a fraction */
-    int bare;          /* 1: nor a point: "1.0" is a time, as "40000000.0" is in ESIM's own files */
-    int counts;        /* 1: they are 0, 1, 2 .. or 1, 2, 3 .., however written (DROID-SLAM and DPVO have "1.0") */
+    int bare;          /* 1: none has a decimal point; "1.0" is a time, and so is "40000000.0" in ESIM's own files */
+    int counts;        /* 1: they are 0, 1, 2 .. or 1, 2, 3 .., even written "1.0" (DROID-SLAM, DPVO) */
 } numbers;
 
 static int by_value(const void *left, const void *right) {
@@ -61,21 +61,22 @@ static tides_status refuse(td_path_reader *reader, const char *what) {
                    reader->file, what, reader->list ? "" : ", or name the columns in a first line: # t[us] x y z qx qy qz qw");
 }
 
-/* As `n` looks in a unit. */
+/* 1 if the numbers are plausible times in this unit. */
 static int is_plausible(const numbers *n, int digits) {
     const double second = td_pow(10, 9 - digits);
     const double last = n->last / second, step = n->step / second;
     return last < TD_LARGEST_TIME && (n->step <= 0 || (step >= TD_SHORTEST_STEP && step <= TD_LONGEST_STEP));
 }
 
-/* As it looks in the format's own unit, where poses that are too fast don't come with a date in another one. */
+/* 1 if they are plausible in the format's own unit. They aren't if they come faster than 1 kHz in it, and a date after 1970
+ * in the unit that fits better. */
 static int is_usual(const numbers *n, int usual) {
     const int likely = td_likely_digits(n->last, n->step);
     if (!is_plausible(n, usual)) return 0;
     return likely == usual || n->step / td_pow(10, 9 - usual) >= 1e-3 || !td_counts_from_1970(n->last / td_pow(10, 9 - likely));
 }
 
-/* Without a word of the file. */
+/* Guesses the unit when neither options nor file give it. */
 static tides_status guess(td_path_reader *reader, int usual, int *digits) {
     numbers n;
     tides_status status = look(reader, &n);

@@ -1,14 +1,14 @@
 /* transforms.json as nerfstudio, instant-ngp, Blender and D-NeRF write it.
  *
  * `transform_matrix` is camera-to-world in OpenGL axes (x right, y up, z back), so its y and z columns change sign here.
- * Intrinsics are fl_x fl_y cx cy w h, for all frames or per frame; fl_x and fl_y may be given as camera_angle_x and
- * camera_angle_y instead, a missing fl_y is fl_x, a missing principal point the image's middle. A Blender file without a
- * size gives path.field_of_view_x alone. A lens is k1 k2 p1 p2 k3 (OPENCV, or no camera_model), k1 to k4 (OPENCV_FISHEYE,
- * and instant-ngp's is_fisheye), or nerfstudio's distortion_params, k1 k2 k3 k4 p1 p2; path.distorted tells where it's none.
+ * Intrinsics are fl_x fl_y cx cy w h, for all frames or per frame. fl_x and fl_y may be given as camera_angle_x and
+ * camera_angle_y; a missing fl_y equals fl_x, and a missing principal point is the image's middle. A Blender file without a
+ * size sets only path.field_of_view_x. The lens is k1 k2 p1 p2 k3 (OPENCV, or no camera_model), k1 to k4 (OPENCV_FISHEYE, and
+ * instant-ngp's is_fisheye), or nerfstudio's distortion_params k1 k2 k3 k4 p1 p2. Any other lens sets path.distorted.
  *
- * Frames with `time` (or `timestamp`) are sorted by it. Trainers scale time to [0, 1]: such times are multiplied by the option
- * `duration`; times beyond 1 are seconds already, or what path_times.c finds. Frames without times are spread over `duration`
- * in the order of file_path: trainers write the list in any. Keys we don't know are ignored. */
+ * Frames with `time` (or `timestamp`) are sorted by it. Trainers scale time to [0, 1]: such times are multiplied by the
+ * option `duration`. Larger times have a unit, which is guessed if no option gives it. Frames without times are spread over
+ * `duration` in the order of file_path, since trainers write the list in any order. Unknown keys are ignored. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
@@ -17,7 +17,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A positive number of the frame, or of the root where the frame has none; `value` is untouched where neither has. */
+/* Reads a positive number from the frame, or else from the root; without either, `value` is unchanged. */
 static tides_status inherited(td_path_reader *reader, const cJSON *frame, const cJSON *root, const char *where, const char *key,
                               double *value) {
     int own = td_json_has(frame, key);
@@ -30,7 +30,7 @@ static tides_status inherited(td_path_reader *reader, const cJSON *frame, const 
     return TIDES_OK;
 }
 
-/* Focal length [px] of a field of view across `pixels`. */
+/* Focal length [px] for a field of view `angle` [rad] across `pixels`. */
 static double focal_length(double angle, double pixels) { return 0.5 * pixels / td_tan(0.5 * angle); }
 
 static tides_status read_intrinsics(td_path_reader *reader, const cJSON *frame, const cJSON *root, const char *where,
@@ -59,19 +59,19 @@ static tides_status read_intrinsics(td_path_reader *reader, const cJSON *frame, 
     return TIDES_OK;
 }
 
-/* The frame's item of a key, or else the root's. */
+/* A key's item in the frame, or else in the root. */
 static const cJSON *inherited_item(const cJSON *frame, const cJSON *root, const char *key) {
     const cJSON *own = cJSON_GetObjectItemCaseSensitive(frame, key);
     return own ? own : cJSON_GetObjectItemCaseSensitive(root, key);
 }
 
-/* A number, 0 where neither has it. */
+/* A coefficient from the frame, or else the root, or 0. */
 static double coefficient(const cJSON *frame, const cJSON *root, const char *key) {
     const cJSON *item = inherited_item(frame, root, key);
     return cJSON_IsNumber(item) ? item->valuedouble : 0;
 }
 
-/* The lens; returns 0 where there's one that can't be had. */
+/* Reads the lens; returns 0 if TIDES has no such lens. */
 static int read_lens(const cJSON *frame, const cJSON *root, tides_lens *lens) {
     static const char *const keys[] = {"k1", "k2", "k3", "k4", "p1", "p2"};
     static const char *const models[] = {"OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "PERSPECTIVE"};
@@ -102,7 +102,7 @@ static tides_status read_pose(td_path_reader *reader, const cJSON *frame, const 
     return status == TIDES_OK ? td_json_opengl_pose(reader, where, "transform_matrix", matrix, pose) : status;
 }
 
-/* Times of all frames, sorted and scaled; or spread evenly where the file has none. */
+/* Sorts and scales the times of all frames, or spreads the frames evenly if the file has no times. */
 static tides_status settle_times(td_path_reader *reader, size_t timed) {
     if (timed == 0) {
         td_path_order(reader, 1);
@@ -112,7 +112,7 @@ static tides_status settle_times(td_path_reader *reader, size_t timed) {
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: only %zu of %zu frames have a \"time\": give it to all or to none",
                        reader->file, timed, reader->count);
     td_path_sort(reader);
-    for (size_t i = 0; i < reader->count; i++) reader->samples[i].word = NULL; /* its times have no word of their own */
+    for (size_t i = 0; i < reader->count; i++) reader->samples[i].word = NULL; /* these times are numbers already, not texts */
     int normalised = reader->samples[0].time >= 0.0 && reader->samples[reader->count - 1].time <= 1.0, digits;
     if (normalised && reader->options->time_unit == TIDES_TIME_AUTO) {
         for (size_t i = 0; i < reader->count; i++) reader->samples[i].time *= reader->options->duration;
@@ -125,7 +125,7 @@ static tides_status settle_times(td_path_reader *reader, size_t timed) {
     return status;
 }
 
-/* "time", or what others call it. */
+/* Reads a frame's time, under the names that trainers use. */
 static tides_status read_time(td_path_reader *reader, const cJSON *frame, const char *where, td_path_sample *sample,
                               size_t *timed) {
     const char *key = td_json_has(frame, "time") ? "time" : "timestamp";

@@ -1,4 +1,4 @@
-/* Views of a path: which of its poses are kept (options->views), and what the cameras of those have in common. */
+/* Selects the poses that options->views names, and finds what their cameras have in common. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
@@ -21,7 +21,7 @@ static int same_view(const td_path_view *a, const td_path_view *b) {
            !differs(a->field_of_view_x, b->field_of_view_x) && a->distorted == b->distorted;
 }
 
-/* Neighbours mostly have one camera: it is kept once. */
+/* Sets the camera of a sample. Neighbours mostly have the same camera, which is then stored once. */
 tides_status td_path_set_view(td_path_reader *reader, td_path_sample *sample, const td_path_view *view) {
     if (reader->view_count == 0 || !same_view(reader->views + reader->view_count - 1, view)) {
         void *views = reader->views;
@@ -63,7 +63,7 @@ static void share(tides_path *path, const td_path_view *view) {
     path->distorted = 1;
 }
 
-/* The whole number at `*c`, or `*value` as it is where there is none; 0 where it is none that a path could have. */
+/* Reads a whole number at `*c`; without one `*value` stays. 0 if the number is out of any path's range. */
 static int read_place(const char **c, long long *value) {
     char *end;
     if (!strchr("+-0123456789", **c) || !**c) return 1;
@@ -75,13 +75,13 @@ static int read_place(const char **c, long long *value) {
     return 1;
 }
 
-/* A place as Python counts it: from the end where it is below 0, and within what there is. */
+/* An index as in Python: negative ones count from the end. Clamped to [0, count]. */
 static size_t settle(long long place, size_t count) {
     if (place < 0) place += (long long)count;
     return place < 0 ? 0 : place > (long long)count ? count : (size_t)place;
 }
 
-/* One piece between commas, "7" or "first:stop:step", at `*c`: marks its poses in `chosen`; 0 where it is no such thing. */
+/* Reads one piece of the list, "7" or "first:stop:step", at `*c`, and marks its poses in `chosen`. 0 if it is neither. */
 static int choose_piece(const char **c, unsigned char *chosen, size_t count) {
     const char *start = *c;
     long long first = 0, stop = (long long)count, step = 1;
@@ -102,12 +102,12 @@ static int choose_piece(const char **c, unsigned char *chosen, size_t count) {
     const size_t end = settle(stop, count);
     for (size_t i = settle(first, count); i < end; i += (size_t)step) {
         chosen[i] = 1;
-        if (end - i <= (size_t)step) break; /* so that no step can turn i over */
+        if (end - i <= (size_t)step) break; /* i + step could overflow */
     }
     return 1;
 }
 
-/* Keeps the samples that `views` names. */
+/* Keeps only the samples that `views` names. */
 static tides_status keep(td_path_reader *reader, const char *views) {
     unsigned char *chosen = td_alloc(reader->count ? reader->count : 1, 1, reader->error);
     if (!chosen) return TIDES_NO_MEMORY;

@@ -1,4 +1,4 @@
-/* Rectification maps: where the rays of a camera's pixels are in the image of a pinhole. */
+/* Rectification maps: for each pixel of a pinhole image, the place of its ray in a camera's (distorted) image. */
 #include "archive/td_npy.h"
 #include "camera/td_lens.h"
 #include "td_math.h"
@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest error of products of a rotation's rows. */
+/* Largest deviation of R R^T from the identity. */
 static const double orthonormal = 1e-6;
-/* Largest distance between a ray's image and its pixel [px]. A pixel farther from the axis than any ray has a larger one. */
+/* If a ray projects farther than this from its pixel [px], the pixel is outside the range of the lens. */
 static const double missed_px = 1e-5;
 
 static tides_status check_rotation(const double r[9], tides_error *error) {
@@ -34,7 +34,7 @@ static tides_status check_images(const tides_intrinsics *raw, const tides_intrin
     return status == TIDES_OK && rotation ? check_rotation(rotation, error) : status;
 }
 
-/* Not a number where nothing in front of either camera is seen. */
+/* Writes NaN if the direction isn't in front of both cameras. */
 static void place(const td_image *image, const tides_intrinsics *to, const double r[9], double u, double v, float out[2]) {
     double a, b;
     td_ray_of(image, u, v, &a, &b);

@@ -1,5 +1,5 @@
-/* 3-vectors, unit quaternions and rotation matrices, in double, with their rates: for paths and whatever moves rigidly on
- * the host. Kernels have their own in kernels/. */
+/* 3-vectors, unit quaternions and rotation matrices with their rates, in double, for the host: camera paths and rigid
+ * motions. */
 #include "camera/td_rotation.h"
 
 #include <float.h>
@@ -37,7 +37,7 @@ void td_rotation_from_quaternion(const double q[4], double rotation[9]) {
 }
 
 void td_rotation_rate(const double q[4], const double q_dot[4], double rotation_dot[9]) {
-    double product[4][4]; /* d(q_a q_b)/dt, the only thing that a rotation matrix is made of */
+    double product[4][4]; /* rates of the products q_a q_b: each entry of the matrix is a sum of such products */
     for (int a = 0; a < 4; a++)
         for (int b = 0; b < 4; b++) product[a][b] = q_dot[a] * q[b] + q[a] * q_dot[b];
     enum { W, X, Y, Z };
@@ -54,7 +54,7 @@ void td_rotation_rate(const double q[4], const double q_dot[4], double rotation_
 
 void td_quaternion_from_rotation(const double rotation[9], double q[4]) {
     const double *r = rotation;
-    /* 4 q_a^2, each; the largest is at least 1, so that the division below is safe. */
+    /* The four values of 4 q_a^2. The largest is at least 1: scaling its row of products below is safe. */
     double square[4] = {1.0 + r[0] + r[4] + r[8], 1.0 + r[0] - r[4] - r[8], 1.0 - r[0] + r[4] - r[8], 1.0 - r[0] - r[4] + r[8]};
     int largest = 0;
     for (int a = 1; a < 4; a++)
@@ -94,8 +94,9 @@ int td_normalise_quaternion(double q[4]) {
     double largest = fmax(fmax(fabs(q[0]), fabs(q[1])), fmax(fabs(q[2]), fabs(q[3])));
     if (!td_all_finite(q, 4) || !(largest > 0.0)) return 0;
     double unit = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (fabs(unit - 1.0) <= 8.0 * DBL_EPSILON) return 1; /* already: a path that is saved and read stays as it was to the bit */
-    double scaled[4], sum = 0.0; /* scaled first: squares of very large or small numbers over- or underflow */
+    /* already of unit length: a path that is saved and read back keeps its bits */
+    if (fabs(unit - 1.0) <= 8.0 * DBL_EPSILON) return 1;
+    double scaled[4], sum = 0.0; /* dividing by the largest first avoids over- and underflow of squares */
     for (int k = 0; k < 4; k++) {
         scaled[k] = q[k] / largest;
         sum += scaled[k] * scaled[k];
@@ -104,7 +105,7 @@ int td_normalise_quaternion(double q[4]) {
     return 1;
 }
 
-/* v / |v|, and the rate of that where v has the rate v_dot; 0 where v is no longer than `least` (or NaN). */
+/* v / |v|, and its rate if v has the rate v_dot. Returns 0 if v is no longer than `least`, or NaN. */
 static int normalise_with_rate(double v[3], double v_dot[3], double least) {
     double length = td_length3(v);
     if (!(length > least)) return 0;
@@ -124,8 +125,8 @@ int td_look_at(const double position[3], const double velocity[3], const double 
         forward[k] = target[k] - position[k];
         forward_dot[k] = -velocity[k];
     }
-    /* Below these lengths the directions would be made of rounding errors: the difference of two positions carries 1e-16
-     * of their size, a cross product 1e-16 of its factors. */
+    /* Shorter vectors would be rounding errors: a difference of positions has an error of 1e-16 of their size, and a cross
+     * product 1e-16 of its factors' size. */
     double least_forward = 1e-12 * fmax(td_length3(target), td_length3(position)), least_right = 1e-9 * td_length3(up);
     if (!normalise_with_rate(forward, forward_dot, least_forward)) return 0;
     td_cross3(forward, up, right);

@@ -7,11 +7,11 @@
 enum { TD_CAMCHAIN_MOST = 16 };
 
 typedef struct td_camchain_camera {
-    tides_intrinsics intrinsics; /* pixel centres at halves, as ours; Kalibr's are at whole numbers */
+    tides_intrinsics intrinsics; /* pixel centres at halves, as everywhere in TIDES (Kalibr's are at whole numbers) */
     double T_B_C[16];            /* p_body = T_B_C p_camera [m] */
 } td_camchain_camera;
 
-/* Cameras cam0, cam1 ... in their order. The body is the IMU where cam0 says how it stands to one (T_cam_imu, or OpenVINS's
+/* Cameras cam0, cam1 ... in this order. The body is the IMU if cam0 gives its pose to one (T_cam_imu, or OpenVINS's
  * T_imu_cam), else cam0. */
 typedef struct td_camchain {
     td_camchain_camera camera[TD_CAMCHAIN_MOST];
@@ -19,8 +19,8 @@ typedef struct td_camchain {
     int has_imu; /* 1: the body is the IMU */
 } td_camchain;
 
-/* Reads `text`, which it changes; `file` is for messages. TIDES_BAD_FILE, or TIDES_UNSUPPORTED for a model that we don't have,
- * naming line or camera and key; the chain is then not to be used. */
+/* Reads `text`, which it changes; `file` is for messages. On failure the error names line or camera and key, and `chain` is
+ * invalid: TIDES_BAD_FILE, or TIDES_UNSUPPORTED for an unknown model. */
 TIDES_MUST_CHECK tides_status td_camchain_parse(const char *file, char *text, td_camchain *chain, tides_error *error);
 
 #endif

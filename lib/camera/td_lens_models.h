@@ -1,5 +1,4 @@
-/* Internal: the models of lenses as files and keys know them: names, and the order of their coefficients. kernels/lens.h has
- * their effect on light. */
+/* Internal: names of the lens models in files and keys, and the order of their coefficients. */
 #ifndef TD_LENS_MODELS_H
 #define TD_LENS_MODELS_H
 
@@ -8,26 +7,26 @@
 enum { TD_COEFFICIENTS_MAX = 6 };
 
 typedef struct td_lens_model {
-    const char *name; /* of camera.lens, of path files, and Kalibr's */
-    const char *ros;  /* of sensor_msgs/CameraInfo */
-    int count;        /* of coefficients, in OpenCV's order: */
+    const char *name; /* in camera.lens, in path files, and in Kalibr's */
+    const char *ros;  /* in ROS' sensor_msgs/CameraInfo */
+    int count;        /* number of coefficients, in OpenCV's order */
     const char *key[TD_COEFFICIENTS_MAX];
     size_t field[TD_COEFFICIENTS_MAX]; /* in tides_lens */
 } td_lens_model;
 
-/* The row of TIDES_LENS_*; NULL: it is none of them. */
+/* The row of a TIDES_LENS_* value; NULL if unknown. */
 const td_lens_model *td_lens_model_of(int32_t model);
 
-/* TIDES_LENS_* of a name; -1: it is none. */
+/* The TIDES_LENS_* value of a name; -1 if unknown. */
 int32_t td_lens_named(const char *name);
 
-/* The coefficients of a lens in its model's order, zeros behind them; how many it has. */
+/* Lists the coefficients of a lens in its model's order, followed by zeros; returns their number. */
 int td_lens_list(const tides_lens *lens, double numbers[TD_COEFFICIENTS_MAX]);
 
-/* Whether a model has the coefficient "k4". */
+/* 1 if the model has a coefficient of this name, such as "k4". */
 int td_lens_has(int32_t model, const char *key);
 
-/* "k1, k2, p1, p2 and k3" */
+/* Names the coefficients in a sentence: "k1, k2, p1, p2 and k3". */
 enum { TD_LENS_WORDS = 64 };
 const char *td_lens_keys(int32_t model, char text[TD_LENS_WORDS]);
 

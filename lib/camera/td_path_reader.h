@@ -1,4 +1,4 @@
-/* Internal: what the readers of path files share. A reader appends samples; td_path_parse does the rest. */
+/* Internal: helpers shared by the readers of path files. A reader appends samples; td_path_parse calls it and does the rest. */
 #ifndef TD_PATH_READER_H
 #define TD_PATH_READER_H
 
@@ -8,18 +8,18 @@
 
 #include <cjson/cJSON.h>
 
-/* One pose of a file. Its time is `time` + `low` until `start` has been subtracted: stamps of 1e9 s with nanoseconds need 60
- * bits of mantissa, of which a double has 53, so that text formats keep what the double loses. */
+/* A pose of a file. Its time is `time` + `low` until `start` is subtracted. A stamp of 1e9 s with nanoseconds needs 60 bits
+ * of mantissa, and a double has 53: `low` is the rest. */
 typedef struct td_path_sample {
     tides_pose_sample pose; /* its time isn't set yet */
     double time, low;       /* [s] */
     size_t place;           /* line number, or index in the file's list */
-    size_t view;            /* which of the reader's views it is of, counted from 1; 0: the file doesn't say */
-    const char *word;       /* its picture's name, or its time as the file writes it: while the file is read; NULL: none */
+    size_t view;            /* 1 + index of its camera among the reader's views; 0: not in the file */
+    const char *word;       /* text in the file: picture's name, or digits of its time; valid while reading; NULL: none */
     size_t length;          /* of that word */
 } td_path_sample;
 
-/* The camera of one pose, as tides_path has it for all. */
+/* The camera of one pose. */
 typedef struct td_path_view {
     tides_intrinsics intrinsics;
     double field_of_view_x;
@@ -35,103 +35,102 @@ typedef struct td_path_reader {
     size_t count, capacity;
     td_path_view *views;
     size_t view_count, view_capacity;
-    int is_open;      /* its samples are an open path's (tides_trajectory_create_open) */
-    int spread;       /* the file has no times: td_path_spread's wish */
+    int is_open;      /* 1: the samples are an open path's, with a cubic between each two */
+    int spread;       /* 1: the file has no times, so the kept samples are spread evenly */
     const char *list; /* the JSON list that `place` indexes ("frames"); NULL: `place` is a line */
-    tides_path path;  /* what has been read so far; a generator sets the trajectory itself */
+    tides_path path;  /* the result so far; a generator sets the trajectory itself */
     tides_error *error;
 } td_path_reader;
 
-/* Reads `bytes` of a path file that end in a NUL; `file` is for messages. tides_path_load calls it once it has the bytes. */
+/* Reads `bytes` of a path file, with a NUL behind them; `file` is for messages. */
 tides_status td_path_parse(const char *file, const char *text, size_t bytes, const tides_path_options *options,
                            tides_path *path, tides_error *error);
 
-/* -- samples (path_samples.c) -- */
+/* -- samples -- */
 
-/* A new sample at the end, zeroed; NULL: out of memory. */
+/* Appends a zeroed sample; NULL if memory is short. */
 td_path_sample *td_path_append(td_path_reader *reader, size_t place);
 
 /* Time of `sample` since that of `origin` [s]. */
 double td_path_since(const td_path_sample *sample, const td_path_sample *origin);
 
-/* The time that `start` and `rebase` put at 0, for a file whose first sample is `first`. */
+/* The time that becomes 0 by the options `start` and `rebase`, for a file whose first sample is `first`. */
 td_path_sample td_path_origin(const td_path_reader *reader, const td_path_sample *first);
 
-#define TD_LARGEST_PATH ((size_t)1 << 30) /* [bytes] of a file: days at 200 Hz */
+#define TD_LARGEST_PATH ((size_t)1 << 30) /* [bytes] of a file: days of poses at 200 Hz */
 
 /* Sorts the samples by time, then by place. */
 void td_path_sort(td_path_reader *reader);
 
-/* Even times over [0, duration] for the samples that are kept, for files without times. */
+/* Marks a file without times: the samples that are kept get even times over [0, duration]. */
 void td_path_spread(td_path_reader *reader);
 
-/* -- order (path_order.c) -- */
+/* -- order -- */
 
-/* Adds a line to path.notes: a fact that a reader of the path may not expect. */
+/* Adds a line to path.notes: a fact that the user may not expect. */
 void td_path_note(td_path_reader *reader, const char *format, ...) TD_PRINTF(2, 3);
 
-/* Order of names in which digits are numbers: 2 before 10; below, at or above 0. */
+/* Compares names, with digits as numbers (2 before 10): below 0, 0, or above 0. */
 int td_path_compare_names(const char *a, size_t a_length, const char *b, size_t b_length);
 
-/* For files without times: samples in the order of their names where all have one, else of the file; then td_path_spread.
- * `say`: notes where the file's order is another. */
+/* For files without times: sorts samples by name if all have one, then spreads them evenly over the duration. `say`: adds a
+ * note if that changed the file's order. */
 void td_path_order(td_path_reader *reader, int say);
 
-/* The text at `key` of `object` is the picture's name. */
+/* Sets the sample's picture name to the text at `key` of `object`. */
 void td_path_set_name(td_path_sample *sample, const cJSON *object, const char *key);
 
-/* The samples into the trainer's frame, where options.frame or the file's folder has nerfstudio's dataparser_transforms.json;
- * `root` (nullable): the transforms.json, which says what was applied to it already (path_frame.c). */
+/* Moves the samples to the frame of nerfstudio's trainer, if options.frame or the file's folder has a
+ * dataparser_transforms.json. `root` (may be NULL) is the transforms.json, which says what was already applied. */
 tides_status td_path_apply_frame(td_path_reader *reader, const cJSON *root);
 
-/* Notes where poses leap, once they have their times; TIDES_NO_MEMORY. */
+/* Adds a note if poses leap, once all times are known; TIDES_NO_MEMORY. */
 tides_status td_path_note_leaps(td_path_reader *reader);
 
-/* "FILE:12" or "FILE: frames[12]"; without `file` "line 12" or "frames[12]". */
+/* Formats a place in the file: "FILE:12" or "FILE: frames[12]"; if `file` is NULL, "line 12" or "frames[12]". */
 void td_path_name_place(const td_path_reader *reader, const char *file, size_t place, char *text, size_t bytes);
 
-/* -- times (path_times.c) -- */
+/* -- times -- */
 
-/* The unit of the samples' times, which are as the file has them, where options.time_unit doesn't say: as a header says
- * (`told`: digits from the unit to nanoseconds, -1: it doesn't), or else `usual` where what comes out is plausible, another
- * where one is. Counts and what could be several are TIDES_BAD_FILE. `*digits` -1: they are numbers of poses, not times. */
+/* Finds the unit of the samples' times, as decimal digits from it to nanoseconds. options.time_unit decides; then the header
+ * (`told`, -1: no unit there). Otherwise it is `usual` if the times are plausible in it, or the only unit in which they are.
+ * Ambiguous times are TIDES_BAD_FILE. `*digits` -1: they are numbers of poses, not times. */
 tides_status td_path_find_unit(td_path_reader *reader, int told, int usual, int *digits);
 
-/* Finds the unit as td_path_find_unit does, and sets the samples' times from their words, digit by digit, as the file writes
- * them. Where the words are numbers of poses, the times are spread. */
+/* Finds the unit, and sets the samples' times from the file's digits, without loss. Numbers of poses are replaced by evenly
+ * spread times. */
 tides_status td_path_take_times(td_path_reader *reader, int told, int usual);
 
-/* The camera of a sample (path_views.c). */
+/* Sets the camera of a sample. */
 tides_status td_path_set_view(td_path_reader *reader, td_path_sample *sample, const td_path_view *view);
 
-/* Once all is read: keeps the samples that options->views chooses, and the fields that all their cameras share: a field that
- * differs becomes 0. If lenses differ, none is kept, and path.distorted says so. */
+/* Called after reading: keeps the samples that options->views selects, and the fields that all their cameras share. A field
+ * that differs becomes 0. If lenses differ, there is no lens, and path.distorted is set. */
 tides_status td_path_choose(td_path_reader *reader);
 
-/* The file or folder to read where `folder` is given, for the caller to free; NULL where nothing known is in it
- * (path_folder.c). */
+/* Finds the file or folder to read within `folder`; the caller frees it. NULL if nothing of a known name is there. */
 tides_status td_path_find(const char *folder, char **file, tides_error *error);
 
-/* A text whose rows are poses: where its columns are (path_table.c). */
+/* The columns of a text whose rows are poses. */
 typedef struct td_path_table {
     int columns; /* of a row */
     int commas;  /* ',' or ';' between them; 0: blanks */
-    int named;   /* 1: a line of the file names them */
+    int named;   /* 1: a header line names the columns */
     int is_euroc;
-    int place[8];      /* of time, x, y, z, qx, qy, qz, qw; time's is -1: none */
-    int digits, usual; /* of times, to nanoseconds: as the names say, -1: they don't; and as the format has them */
-    double metres;     /* of a unit of x, y and z */
-    size_t line;       /* of the names; 0: none */
+    int place[8];      /* of time, x, y, z, qx, qy, qz, qw; a missing time is -1 */
+    int digits, usual; /* of times to nanoseconds: by the header (-1: not given), and by the format */
+    double metres;     /* in a unit of x, y and z */
+    size_t line;       /* line number of the header; 0: none */
 } td_path_table;
 
-/* The table that the text is, if it is one. TIDES_BAD_FILE: it names its columns, and some are missing. */
+/* Recognises the table. TIDES_BAD_FILE if it has a header in which columns are missing. */
 tides_status td_path_find_table(td_path_reader *reader, td_path_table *table);
 
 /* One reader per format. */
 tides_status td_path_read_table(td_path_reader *reader, const td_path_table *table); /* TUM, ESIM, EuRoC */
-tides_status td_path_mount_euroc(td_path_reader *reader); /* samples of EuRoC's body to its camera's */
+tides_status td_path_mount_euroc(td_path_reader *reader); /* moves samples from EuRoC's body to its camera */
 tides_status td_path_read_kitti(td_path_reader *reader, int columns);
-int td_path_is_kitti(int columns); /* 1 where rows of so many numbers are poses of KITTI's kind */
+int td_path_is_kitti(int columns); /* 1 if rows of so many numbers are KITTI's */
 tides_status td_path_read_llff(td_path_reader *reader);
 tides_status td_path_read_colmap(td_path_reader *reader, int binary);
 tides_status td_path_read_nerfies(td_path_reader *reader, const cJSON *root);
@@ -141,47 +140,47 @@ tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root);
 tides_status td_path_read_cameras(td_path_reader *reader, const cJSON *root);
 tides_status td_path_read_nerfstudio(td_path_reader *reader, const cJSON *root);
 
-/* COLMAP's images with the cameras given, and the message for a file that only holds cameras. */
+/* Reads COLMAP's images, given the cameras; and the error for a file with cameras only, without poses. */
 struct td_colmap_cameras;
 tides_status td_path_read_images(td_path_reader *reader, int binary, const struct td_colmap_cameras *cameras);
 tides_status td_path_refuse_cameras(td_path_reader *reader, int binary);
 
-/* -- text: what lines of numbers are made of (path_text.c) ---------------------------------------------------------------- */
+/* -- text: lines of numbers ---------------------------------------------------------------- */
 
-const char *td_text_skip(const char *c); /* behind blanks */
-int td_text_ends(const char *c);         /* 1 where the line at `c` holds nothing more */
+const char *td_text_skip(const char *c); /* skips blanks */
+int td_text_ends(const char *c);         /* 1 if the rest of the line is empty */
 
-/* Properties that the lines of a text file share, so that a file cut within its last line is found: 0.7 of 0.7071 is a number,
- * and eight columns of seventeen are a pose. */
+/* Properties common to the lines of a text file, by which a file cut within its last line is detected. Otherwise 0.7 of
+ * 0.7071 would be a valid number, and eight columns of seventeen a valid pose. */
 typedef struct td_text_lines {
     size_t count;
-    int columns, decimals; /* of the first line: its commas, and what its last number has behind the point */
-    int alike;             /* 1: all have as many */
+    int columns, decimals; /* of the first line: its commas, and decimals of its last number */
+    int alike;             /* 1: all lines so far are equal in these */
 } td_text_lines;
 
-/* Takes a line that holds numbers. TIDES_BAD_FILE where it is the last, nothing ends it, and it has less than all before it. */
+/* Takes a line of numbers. TIDES_BAD_FILE if it is the last one, has no line break, and is shorter than all before it. */
 tides_status td_text_take(td_text_lines *lines, const td_path_reader *reader, size_t line, const char *data);
 
-/* Reads the finite number at `c`; returns what follows it, or `c` where there is none. */
+/* Reads a finite number at `c`; returns the place behind it, or `c` if there is none. */
 const char *td_text_number(const char *c, double *value);
 
-/* Reads the time at `c`, of whose unit there are 10^`places` in a second, with the digits that a double has no room for in
- * `low`. `*end` is behind it, or at `c` where there is no finite number. */
+/* Reads a time at `c`, in units of 10^-`places` s, with the digits that exceed a double in `low`. `*end` is behind it, or `c`
+ * if there is no finite number. */
 void td_text_time(const char *c, int places, td_path_sample *sample, const char **end);
 
-/* The quaternion's length must be about 1; `where` and `columns` name line and columns in the message. */
+/* Fails unless the quaternion's length is about 1; `where` and `columns` are for the message. */
 tides_status td_path_check_quaternion(const td_path_reader *reader, const char *where, const double q[4], const char *columns);
 
-/* -- YAML: numbers of a list (yaml_numbers.c) ------------------------------------------------------------------------ */
+/* -- YAML: lists of numbers ------------------------------------------------------------------------ */
 
-const char *td_yaml_skip(const char *at); /* behind blanks and line breaks */
+const char *td_yaml_skip(const char *at); /* skips blanks and line breaks */
 
-/* `count` numbers of the list at `at`, in [] or behind "- " each; rows of four, as lists in [] or behind "- " each. Return what
- * follows, or NULL. */
+/* Read `count` numbers of a list, and a matrix of four such rows. A list is in [] or has "- " before each item. They return
+ * the place behind it, or NULL. */
 const char *td_yaml_row(const char *at, double *values, int count);
 const char *td_yaml_matrix(const char *at, double m[16]);
 
-/* -- bytes: little-endian numbers one after the other; 0 where too few are left (path_bytes.c) ---------------------------- */
+/* -- bytes: little-endian numbers one after the other; 0 if too few bytes are left ---------------------------- */
 
 typedef struct td_bytes {
     const char *at;
@@ -199,35 +198,36 @@ tides_status td_json_number(td_path_reader *reader, const cJSON *object, const c
 tides_status td_json_vector(td_path_reader *reader, const cJSON *object, const char *where, const char *key, double *values,
                             int count);
 
-/* A row-major matrix. */
+/* Reads a row-major matrix. */
 tides_status td_json_matrix(td_path_reader *reader, const cJSON *object, const char *where, const char *key, double *values,
                             int rows, int columns);
 
-/* Number of pixels: a whole number, at least 1. */
+/* Reads a number of pixels: a whole number, at least 1. */
 tides_status td_json_pixels(td_path_reader *reader, const cJSON *object, const char *where, const char *key, int32_t *value);
 
-/* The camera-to-world matrix of a file with OpenGL axes, by rows, ends in 0 0 0 1; `where` and `key` are its place. */
+/* Converts a camera-to-world matrix in OpenGL axes, by rows, whose last row must be 0 0 0 1. `where` and `key` are for
+ * messages. */
 tides_status td_json_opengl_pose(td_path_reader *reader, const char *where, const char *key, const double matrix[16],
                                  tides_pose_sample *pose);
 
 int td_json_has(const cJSON *object, const char *key);
 
-/* `object` is an object with no other keys than `keys` (NULL-terminated), each once. */
+/* Fails unless `object` is an object whose keys are all in `keys` (NULL-terminated), each at most once. */
 tides_status td_json_check_keys(td_path_reader *reader, const cJSON *object, const char *where, const char *const *keys);
 
-/* Fails with TIDES_BAD_FILE and "FILE: WHERE.KEY: TEXT". */
+/* Fails with TIDES_BAD_FILE and the text "FILE: WHERE.KEY: TEXT". */
 tides_status td_json_fail(td_path_reader *reader, const char *where, const char *key, const char *text);
 
-/* A word of the file for a message: at most TD_QUOTE - 1 characters, control characters replaced, so that the message stays
+/* Quotes a word of the file for a message: at most TD_QUOTE - 1 characters, control characters replaced, so that a message is
  * one line. Returns `out`. */
 #define TD_QUOTE 41
 const char *td_path_quote(const char *word, size_t bytes, char out[TD_QUOTE]);
 
-/* Quaternion of a 3x3 rotation of a file; fails where it isn't one. */
+/* Converts a 3x3 rotation of a file to a quaternion; fails if the matrix isn't a rotation. */
 tides_status td_json_rotation(td_path_reader *reader, const char *where, const char *key, const double rotation[9],
                               double q[4]);
 
-/* Lenses by coefficients in OpenCV's order: k1 k2 p1 p2 k3 (a pinhole where all are 0), and k1 k2 k3 k4. */
+/* Lens from coefficients in OpenCV's order: radtan k1 k2 p1 p2 k3 (a pinhole if all are 0), equidistant k1 k2 k3 k4. */
 tides_lens td_radtan(const double k[5]);
 tides_lens td_equidistant(const double k[4]);
 

@@ -1,11 +1,11 @@
-/* A rigid motion over time: samples, the curve through them, pose and exact rate at any time.
+/* Camera paths: samples of a rigid motion, a curve through them, and the pose and its exact rate at any time.
  *
- * Position and quaternion are one curve in R^7 (curve.c). Signs of the quaternions are aligned with their predecessors
- * (q and -q are the same rotation), and the curve's quaternion is divided by its length; that is as smooth as the curve (C2,
- * C3 with rates), passes exactly through the samples, takes uneven times as they are, and its rate is the quotient rule.
- * The division needs a length away from zero: neighbouring samples must lie less than TD_MOST_TURN apart.
+ * Position and quaternion are one curve in R^7. Each quaternion has the sign nearer to its predecessor (q and -q are the same
+ * rotation), and the curve's quaternion is divided by its length. The result is as smooth as the curve (C2, C3 with rates),
+ * passes exactly through the samples, and allows uneven times; its rate is by the quotient rule. The length must stay away
+ * from zero, so neighbouring samples must be less than TD_MOST_TURN apart.
  *
- * Times are kept relative to the first sample, so that offsets such as ROS stamps of 1e9 s cost no precision. */
+ * Times are stored relative to the first sample, so that large ones, such as ROS stamps of 1e9 s, lose no precision. */
 #include "tides/trajectory.h"
 
 #include "camera/td_rotation.h"
@@ -19,12 +19,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest turn between neighbouring samples [rad]: 179 degrees. At 180 the way round isn't determined. */
+/* Largest turn between neighbouring samples [rad]: 179 degrees. At 180 degrees the direction of the turn would be ambiguous. */
 #define TD_MOST_TURN 3.1241393610698500
 
-/* Lengths that the curve's quaternion may have between samples, and points per segment where it is looked at. Samples that
- * turn evenly stay within 0.93 and 1.1, random rotations at random times within 0.5 and 2 in 95 % of all paths of eight; a
- * quick turn beside a long gap makes the spline swing there, and beyond these lengths by half a turn or more. */
+/* Allowed lengths of the curve's quaternion between samples, checked at 8 points of each segment. With evenly turning samples
+ * it stays within 0.93 and 1.1. With random rotations at random times it is within 0.5 and 2 on 95 % of paths of eight
+ * samples. A quick turn beside a long gap makes the spline swing, by half a turn or more beyond these lengths. */
 #define TD_LEAST_LENGTH 0.1
 #define TD_MOST_LENGTH 10.0
 #define TD_LENGTH_PROBES 8
@@ -90,8 +90,7 @@ int td_curve_value_is_sound(const double value[TD_CURVE_WIDTH], const double rat
     return square > TD_LEAST_LENGTH * TD_LEAST_LENGTH && square < TD_MOST_LENGTH * TD_MOST_LENGTH;
 }
 
-/* Checks what td_samples_check can't see: a curve that overflows, or a quaternion that leaves the unit sphere between
- * samples. */
+/* Checks the curve between samples: it must not overflow, and its quaternion must keep an allowed length. */
 static tides_status check_curve(const tides_trajectory *trajectory, tides_error *error) {
     const tides_pose_sample *s = trajectory->samples;
     for (size_t i = 0; i + 1 < trajectory->count; i++)
@@ -121,7 +120,7 @@ td_knot td_sample_knot(const tides_pose_sample *sample, double origin) {
     return knot;
 }
 
-/* The curve through the (aligned) samples of a path that moves. */
+/* Makes the curve through the (aligned) samples of a path that moves. */
 static tides_status build_curve(tides_trajectory *trajectory, tides_error *error) {
     size_t count = trajectory->count;
     const tides_pose_sample *samples = trajectory->samples;
@@ -178,7 +177,7 @@ void tides_trajectory_destroy(tides_trajectory *trajectory) {
     free(trajectory);
 }
 
-/* The unit quaternion and its rate from those of the curve, which aren't of unit length. */
+/* Normalises the curve's quaternion, and computes the rate of the result. */
 static void normalise_with_rate(double q[4], double q_dot[4]) {
     double square = 0.0, along = 0.0;
     for (int k = 0; k < 4; k++) square += q[k] * q[k];
@@ -191,8 +190,8 @@ static void normalise_with_rate(double q[4], double q_dot[4]) {
     for (int k = 0; k < 4; k++) q_dot[k] -= along * q[k];
 }
 
-/* Callers of open paths add intervals up: a tenth of a nanosecond is lost in 1e4 steps of a millisecond, and nothing in the
- * time that an event has. */
+/* Callers of open paths add up intervals. The rounding error is 0.1 ns after 1e4 steps of a millisecond, and is below an
+ * event's time resolution. */
 static const double lost_in_sums = 1e-10;
 
 double td_trajectory_slack(const tides_trajectory *t, double epoch, double relative) {
@@ -200,7 +199,8 @@ double td_trajectory_slack(const tides_trajectory *t, double epoch, double relat
     return t->is_open ? lost_in_sums + rounding : rounding;
 }
 
-/* Pose of the samples' body at a time within the path, on the path's own clock; `slack` is the time's largest error. */
+/* Pose of the body at `relative`, a time on the path's own clock and within the path; `slack` is the time's largest rounding
+ * error. */
 static void body_at(const tides_trajectory *trajectory, double relative, double slack, tides_pose *pose) {
     const tides_pose_sample *first = trajectory->samples;
     if (!trajectory->curve && !trajectory->is_open) {
@@ -248,7 +248,7 @@ tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time
     return TIDES_OK;
 }
 
-/* Told as it goes, a curve is C1. */
+/* Refuses an acceleration of an open path, whose curve is only C1. */
 static tides_status fail_open(tides_error *error) {
     return td_fail(error, TIDES_UNSUPPORTED,
                    "an open path's acceleration jumps at every sample, where an IMU would feel a blow; make a path of its "
@@ -256,7 +256,7 @@ static tides_status fail_open(tides_error *error) {
                    "with tides_trajectory_create");
 }
 
-/* The curve has two accelerations at a sample where it is C1 only. */
+/* Refuses the range if the curve is only C1 at a sample within it: there it has two accelerations. */
 static tides_status check_bends(const tides_trajectory *trajectory, double start, double stop, tides_error *error) {
     const size_t bend = trajectory->curve ? td_curve_first_bend(trajectory->curve, start, stop) : trajectory->count;
     if (bend >= trajectory->count) return TIDES_OK;
@@ -273,9 +273,10 @@ tides_status td_trajectory_check_smooth(const tides_trajectory *trajectory, doub
     return check_bends(trajectory, start - from, stop - from, error);
 }
 
-/* R_ddot m: what turning adds for a mount's arm m. The unit quaternion u = q / |q| has, with a = u . q_dot, the second rate
- * q_ddot - 2 a q_dot - (q_dot . q_dot + u . q_ddot) u + 3 a^2 u, all by |q|; R is quadratic in it, which td_rotation_rate
- * makes a rate of: R_ddot = rate(u, u_ddot) + rate(u_dot, u_dot). */
+/* Adds R_ddot m, the acceleration by rotation at the end of a mount's arm m. For the unit quaternion u = q / |q|, with a = u
+ * . q_dot, the second derivative is u_ddot = q_ddot - 2 a q_dot - (q_dot . q_dot + u . q_ddot) u + 3 a^2 u, with q's
+ * derivatives divided by |q|. R is quadratic in u, and td_rotation_rate is bilinear, so R_ddot = rate(u, u_ddot) +
+ * rate(u_dot, u_dot). */
 static void add_swing(const tides_trajectory *trajectory, double relative, const double q_ddot[4], double acceleration[3]) {
     double value[TD_CURVE_WIDTH], rate[TD_CURVE_WIDTH], second[4], bent[9], turned[9], length = 0, a = 0, b = 0;
     td_curve_at(trajectory->curve, td_curve_find(trajectory->curve, relative), relative, value, rate);

@@ -1,4 +1,4 @@
-/* Paths that are told as they go: samples appended to a curve that is local (open.c), and copies of paths of either kind. */
+/* Open paths, whose samples are appended during a run, and copies of paths of any kind. */
 #include "camera/td_rotation.h"
 #include "camera/td_trajectory.h"
 #include "camera/td_trajectory_parts.h"
@@ -10,10 +10,10 @@
 
 /* -- appending ------------------------------------------------------------------------------------------------------ */
 
-/* Points of a segment where it is looked at, as trajectory.c does. */
+/* Points of each segment at which it is checked. */
 enum { PROBES = 8 };
 
-/* Checks what the samples can't show: a last segment that overflows, or whose quaternion leaves the unit sphere. */
+/* Checks the last segment between its samples: it must not overflow, and its quaternion must keep an allowed length. */
 static tides_status check_segment(const tides_trajectory *t, size_t i, tides_error *error) {
     if (t->open.count < 2) return TIDES_OK;
     const td_knot *to = t->open.knot + t->open.count - 1, *from = to - 1;
@@ -29,7 +29,7 @@ static tides_status check_segment(const tides_trajectory *t, size_t i, tides_err
     return TIDES_OK;
 }
 
-/* Samples so close that one might be taken for the other, depending on which is known. */
+/* Refuses samples so close together that a time could belong to either. */
 static tides_status check_apart(const tides_trajectory *t, size_t from, size_t count, tides_error *error) {
     enum { SLACKS = 4 };
     for (size_t i = from; i < count; i++) {
@@ -46,7 +46,7 @@ static tides_status check_apart(const tides_trajectory *t, size_t from, size_t c
     return TIDES_OK;
 }
 
-/* The curve through samples that are there already, from number `from` on. */
+/* Appends knots to the curve for the samples from number `from` on, which are stored already. */
 static tides_status add_knots(tides_trajectory *t, size_t from, size_t count, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = from; i < count && status == TIDES_OK; i++) {
@@ -57,7 +57,7 @@ static tides_status add_knots(tides_trajectory *t, size_t from, size_t count, ti
     return status;
 }
 
-/* Turns of the new segments; samples without rates say none. */
+/* Checks the turns of new segments by the samples' rates, if they have any. */
 static tides_status check_turns(const tides_trajectory *t, size_t from, size_t count, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = from; i + 1 < count && status == TIDES_OK; i++)
@@ -66,7 +66,7 @@ static tides_status check_turns(const tides_trajectory *t, size_t from, size_t c
     return status;
 }
 
-/* The first sample of all may have its rate from the second. */
+/* Without a rate of its own, the first sample may have one from the second: that goes with the second sample. */
 void td_trajectory_take_back(tides_trajectory *t, size_t count) {
     t->count = t->open.count = count;
     if (count == 1 && !t->samples[0].has_rates) memset(t->open.knot[0].rate, 0, sizeof t->open.knot[0].rate);

@@ -1,12 +1,11 @@
-/* Lists of numbers in YAML, as people and PyYAML write them: "[a, b]", which may go on in the next line, or in block style each
- * behind a "- " of its own. */
+/* Reads lists of numbers in YAML: "[a, b]", which may continue on the next line, or one number behind each "- ". */
 #include "camera/td_path_reader.h"
 
 #include <string.h>
 
 const char *td_yaml_skip(const char *at) { return at + strspn(at, " \t\r\n"); }
 
-/* Behind a "-" that a blank follows, and the blanks. */
+/* Skips a "-" that is followed by a blank, and the blanks. */
 static const char *take_dash(const char *at) {
     return *at == '-' && strchr(" \t\r\n", at[1]) && at[1] ? td_yaml_skip(at + 1) : NULL;
 }

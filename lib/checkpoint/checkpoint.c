@@ -1,31 +1,32 @@
-/* Saving a simulator and restoring it: a run cut between two steps goes on as if it had never stopped, to the bit.
+/* Saves and restores a simulator: a run cut between two steps continues as if it had never stopped, to the bit.
  *
- * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how
- * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 6 (1 lacked the totals
- * of motion; in 2 `time` was absolute; 3 lacked those of probes; 4 named some totals otherwise; 5
- * had fewer keys in /run_is):
+ * The state between two steps is S and S_dot, and per pixel the initial S and the number of events; the reference follows
+ * from these. Layout of the HDF5 file, version 6 (1 lacked the totals of motion; in 2 `time` was absolute; 3 lacked the
+ * totals of probes; 4 had other names for some totals; 5 had fewer keys in /run_is):
  *
  *     /                    attributes  format           text    "tides-checkpoint"
  *                                      version          int     6
  *                                      tides_version    text    of the writer; for people
  *                                      run              text    the run file as JSON, or ""
- *                                      step             double  number of the grid point reached (td_grid.h)
+ *                                      step             double  number of the grid point reached
  *                                      time             double  [s after the start] where that is
- *                                      ended            int     1: it is the run's end, from which no longer one goes on
- *                                      last_event       text    "t_ns x y polarity", by which its recording is known; or ""
- *     /run_is              attributes  one per fact of td_facts_gather: a double, or 16 hexadecimal digits; its key says what
- *     /statistics          attributes  one double each: totals so far, those rows of tides_stats_table that add up
+ *                                      ended            int     1: this is the run's end, which no longer run can continue
+ *                                      last_event       text    "t_ns x y polarity", identifies its recording; or ""
+ *    /run_is              attributes  facts that decide events: a double, or 16 hexadecimal digits; named by the key
+ *    /statistics          attributes  a double each: totals of the statistics that add up
  *     /signal, /signal_dot double (height x width)  S [log units], S_dot [log units/s]
  *     /initial             double (height x width)  S_init [log units]
  *     /count_on, /count_off  u4   (height x width)  n_on, n_off
  *     /tile_risk           double (tiles)           risk of each 16x16 tile, in reading order
- *     /held_until ...      double, u4 (height x width)  state of the sensor's blocks that are on (td_sensor_state)
- *     /readout             i8                       the arbiter's, where the run has one (readout.c)
- *     /filters             i8                       what the filters remember (lib/filters), where the run has some
- *     /timing_errors       double (512)             weights of td_timing, not of a pixel
- *     /timing_squares      double (1)               its squares, likewise
+ *    /held_until ...      double, u4 (height x width)  state of the sensor's blocks that are on
+ *     /readout             i8                       state of the arbiter, if the run has one
+ *     /filters             i8                       state of the filters, if the run has some
+ *     /timing_errors       double (512)             weights of the statistics of timing errors
+ *     /timing_squares      double (1)               their squares
  *
- * The arrays are the rows of td_simulator_state and td_sensor_state. Images are in image order, so that other tiles can take
+ * Each array is a row of the state that the simulator's parts list. Images are in image order (except the risk), so that a
+ * run with other tiles can continue. All datasets are shuffled and deflated. The HDF5 file is followed by a line with its
+ * checksum.
  * them up (but for the risk). All datasets are shuffled and deflated. Behind the HDF5 file comes the seal (file.c). */
 #include "td_checkpoint.h"
 
@@ -143,7 +144,7 @@ tides_status tides_simulator_save(const tides_simulator *simulator, const char *
 
 /* -- restoring ------------------------------------------------------------------------------------------------------------- */
 
-/* All that a checkpoint says. */
+/* The contents of a checkpoint. */
 typedef struct contents {
     int64_t step;
     tides_event last;
@@ -173,8 +174,9 @@ static tides_status check_run(const td_place *root, const char *run) {
     return status;
 }
 
-/* The step must be on this run's grid too: a last step that an earlier stop cut short isn't. And where it was the last one its
- * end was in it and its readout emptied, which isn't so in a longer run. Files from before `ended` are taken at their word. */
+/* Reads the step, which must be on this run's grid: the last step of a run is not if an earlier stop cut it short. And at a
+ * run's end, its last nanosecond is included and its readout emptied, which isn't so in a longer run. Files from before
+ * `ended` aren't checked for that. */
 static tides_status read_step(const td_place *root, const tides_simulator *s, int64_t *step) {
     double steps = 0, time = 0;
     int32_t ended = 0;
@@ -196,7 +198,7 @@ static tides_status read_step(const td_place *root, const tides_simulator *s, in
     return TIDES_OK;
 }
 
-/* Files from before `last_event` are taken at their word. */
+/* Reads the last event; files from before `last_event` don't have it. */
 static tides_status read_last(const td_place *root, tides_event *last) {
     char *text = NULL;
     int polarity = 0;
@@ -263,7 +265,7 @@ tides_status tides_simulator_restore(tides_simulator *simulator, const char *run
         td_saved_give(&got.saved, simulator);
         td_simulator_resume(simulator, got.step, &got.totals);
         simulator->packet.last = got.last;
-        tides_arbiter *own = simulator->readout.arbiter; /* both NULL, or both not */
+        tides_arbiter *own = simulator->readout.arbiter; /* both are NULL, or neither is */
         simulator->readout.arbiter = got.arbiter;
         got.arbiter = own;
     }

@@ -1,6 +1,6 @@
-/* Facts that make two simulators parts of one run: all values that decide events, as numbers, or as checksums where there are
- * too many. Values that don't are left out: the stop (a run may be extended), tiles, batches, and the device as far as it
- * computes in the same precision. The parameter table tells the keys of a run file apart (lib/run/params_table.c). */
+/* Facts by which two simulators are parts of one run: all values that decide events, as numbers, or as checksums if there are
+ * too many. Values that don't are left out: the stop (a run may be extended), tiles, batches, and the device, if it computes
+ * in the same precision. The parameter table says which keys of a run file decide events. */
 #include "motion/td_motion.h"
 #include "run/td_params.h"
 #include "td_checkpoint.h"
@@ -10,9 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* -- checksums of what is looked at -- */
+/* -- checksums of scene and camera -- */
 
-/* A callback's own state isn't seen: the caller answers for it. */
+/* Adds a motion. The state behind a user's callback isn't known: that is the user's responsibility. */
 static void add_motion(uint64_t *sum, const tides_object *object) {
     const tides_motion *motion = object->motion;
     const double times[] = {motion->start, motion->stop, object->duration_s};
@@ -34,7 +34,8 @@ static void add_motion(uint64_t *sum, const tides_object *object) {
 static tides_status add_trajectory(uint64_t *sum, const tides_trajectory *trajectory, tides_error *error) {
     size_t count = trajectory ? tides_trajectory_count(trajectory) : 0;
     const uint64_t open = 1;
-    if (tides_trajectory_is_open(trajectory)) *sum = td_hash_words(*sum, &open, sizeof open); /* another curve, same samples */
+    /* an open path has another curve through the same samples */
+    if (tides_trajectory_is_open(trajectory)) *sum = td_hash_words(*sum, &open, sizeof open);
     for (size_t i = 0; i < count; i++) {
         tides_pose_sample sample;
         memset(&sample, 0, sizeof sample);
@@ -74,7 +75,7 @@ static tides_status add_scene(uint64_t *sum, const tides_scene *scene, tides_err
     return status;
 }
 
-/* Image formation as the renderer resolved it, intrinsics, background and blur included. */
+/* Checksum of the image formation, with intrinsics, background and blur. */
 static uint64_t image_checksum(const tides_renderer *renderer) {
     double facts[TD_IMAGE_FACTS];
     td_renderer_image_facts(renderer, facts);
@@ -93,8 +94,8 @@ static void add_checksum(td_facts *facts, const char *key, uint64_t checksum) {
     facts->count++;
 }
 
-/* The keys of a struct of tides_run_values which the simulator has as `values`, by the table of parameters. Choices, whole
- * numbers and what is true or not are int32_t there. */
+/* Adds the keys of a struct of tides_run_values, by the parameter table; the simulator has the struct at `values`. Choices,
+ * whole numbers and switches are int32_t there. */
 static void add_keys(td_facts *facts, const void *values, size_t from, size_t size) {
     for (size_t i = 0; i < td_params_count; i++) {
         const td_param *row = &td_params[i];
@@ -148,14 +149,14 @@ static int may_differ(const char *key) {
     return 0;
 }
 
-/* A value as short text. */
+/* Formats a value as a short text. */
 static void print_value(const cJSON *value, char text[VALUE_MAX]) {
     char *printed = value ? cJSON_PrintUnformatted(value) : NULL;
     snprintf(text, VALUE_MAX, "%s", printed ? printed : "not set");
     cJSON_free(printed);
 }
 
-/* The first key, depth first, whose values differ, with both; 0 where there is none. */
+/* Finds the first key, depth first, whose values differ, and both values; 0 if there is none. */
 static int find_difference(const cJSON *saved, const cJSON *given, const char *key, char found[KEY_MAX],
                            const cJSON *values[2]) {
     if (may_differ(key) || cJSON_Compare(saved, given, 1)) return 0;

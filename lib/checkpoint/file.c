@@ -1,8 +1,8 @@
-/* A checkpoint's bytes: an HDF5 file that is built in memory, and behind it one line of text, the seal: the checksum of all
- * that comes before. HDF5 takes the end of a file from its superblock and doesn't mind what follows.
+/* The bytes of a checkpoint: an HDF5 file that is built in memory, followed by a line of text, the seal, with a checksum of
+ * all before it. HDF5 finds the end of its file in the superblock, and ignores the seal.
  *
- * The seal is checked before HDF5 sees a byte: damage is reported as damage, wherever it is. The file is built in memory
- * because a disk that fills up while HDF5 writes leaves a file that HDF5 can neither close nor free. */
+ * The seal is checked before HDF5 reads a byte, so any damage is reported as damage. The file is built in memory because HDF5
+ * can neither close nor free a file if the disk fills up while it writes. */
 #include "td_checkpoint.h"
 #include "td_hash.h"
 
@@ -24,7 +24,7 @@ static hid_t core_access(void) {
     return H5I_INVALID_HID;
 }
 
-/* HDF5 looks on the disk for a file of the image's name, and won't have one: nothing lies below a plain file. */
+/* Name of the image. HDF5 looks for such a file on the disk, but none can exist below a plain file. */
 static const char *const image_name = "/dev/null/checkpoint";
 
 hid_t td_checkpoint_image_create(void) {
@@ -54,7 +54,7 @@ static tides_status write_sealed(const char *part, const char *path, const char 
     FILE *file = td_part_open(part, path);
     int written = file && fwrite(bytes, 1, size, file) == size && fwrite(seal, 1, SEAL_BYTES, file) == SEAL_BYTES;
     int reason = errno;
-    if (file && fclose(file) != 0 && written) { /* a full disk may show no earlier */
+    if (file && fclose(file) != 0 && written) { /* with a full disk the error may come only here */
         written = 0;
         reason = errno;
     }

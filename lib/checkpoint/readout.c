@@ -1,4 +1,4 @@
-/* A checkpoint's readout: dataset /readout, i8, the numbers of td_arbiter_pack. */
+/* Saves and restores the state of the readout arbiter: a dataset /readout of i8, which the arbiter packs and unpacks. */
 #include "td_checkpoint.h"
 
 #include <stdlib.h>
@@ -15,7 +15,7 @@ tides_status td_readout_write(const tides_simulator *s, const td_place *root) {
     return status;
 }
 
-/* How many numbers there are; contiguous, so no more than the file has bytes for. -1: none, or of another kind. */
+/* Number of values; the dataset is contiguous, so the file must have the bytes. -1: there is none, or it is of another kind. */
 static hssize_t length_of(hid_t set) {
     hid_t space = H5Dget_space(set), creation = H5Dget_create_plist(set);
     int fits =
@@ -42,7 +42,7 @@ static tides_status read_numbers(const td_place *root, int64_t **numbers, size_t
     return status;
 }
 
-/* Into an arbiter of its own, so that a file that turns out bad leaves the simulator as it was. */
+/* Reads into a new arbiter, so that a bad file leaves the simulator unchanged. */
 tides_status td_readout_read(const tides_simulator *s, const td_place *root, tides_arbiter **arbiter) {
     int64_t *numbers = NULL;
     size_t count = 0;

@@ -1,6 +1,5 @@
-/* A checkpoint's arrays: the tables of state that the run's parts give (td_state.h), each row a dataset. Values pass through
- * copies in the file's order, so that a file that turns out bad leaves the simulator as it was. Each part knows the meaning of
- * its rows. */
+/* The arrays of a checkpoint. Each part of a run lists its arrays in a table; each becomes a dataset. Values are read into
+ * copies first, so that a bad file leaves the simulator unchanged. */
 #include "td_checkpoint.h"
 
 #include <stdlib.h>
@@ -12,7 +11,8 @@ void td_saved_free(td_saved *saved) {
 }
 
 tides_status td_saved_create(td_saved *saved, const tides_simulator *simulator, tides_error *error) {
-    tides_simulator *s = (tides_simulator *)(uintptr_t)simulator; /* tables serve both ways; only td_saved_give writes */
+    /* the table serves for both directions; only td_saved_give writes */
+    tides_simulator *s = (tides_simulator *)(uintptr_t)simulator;
     memset(saved, 0, sizeof *saved);
     td_simulator_state(s, &saved->state);
     td_sensor_state(&s->sensor, &saved->state);
@@ -28,12 +28,12 @@ tides_status td_saved_create(td_saved *saved, const tides_simulator *simulator, 
     return TIDES_OK;
 }
 
-/* Copies a row between the simulator, in the tiles' order, and its copy, in the image's. */
+/* Copies a row between the simulator, in the order of tiles, and its copy, in the image's order. */
 static void copy_pixels(const tides_simulator *s, const td_state_row *row, void *copy, int into_simulator) {
     const size_t size = td_state_size(row->type);
     for (int t = 0; t < s->layout.tiles; t++) {
         const td_tile *tile = &s->layout.tile[t];
-        for (int i = 0; i < tile->count; i += tile->width) { /* a row of the tile is one of the image */
+        for (int i = 0; i < tile->count; i += tile->width) { /* a row of the tile is part of a row of the image */
             const size_t out = (size_t)(tile->y0 + i / tile->width) * (size_t)s->layout.width + (size_t)tile->x0;
             char *own = (char *)row->values + (s->layout.first_pixel[t] + (size_t)i) * size, *other = (char *)copy + out * size;
             memcpy(into_simulator ? own : other, into_simulator ? other : own, (size_t)tile->width * size);
@@ -58,11 +58,11 @@ void td_saved_give(const td_saved *saved, tides_simulator *s) { exchange(s, save
 
 /* -- datasets -------------------------------------------------------------------------------------------------------------- */
 
-/* A dataset of the layout; its memory is of the same type. */
+/* A dataset, whose type in memory is that in the file. */
 typedef struct dataset {
     const char *name;
     td_state_type type;
-    hsize_t extent[2]; /* the second 0: one dimension */
+    hsize_t extent[2]; /* extent[1] 0: one dimension */
     void *values;
 } dataset;
 
@@ -77,15 +77,15 @@ static int rank_of(const dataset *d) { return d->extent[1] ? 2 : 1; }
 
 enum { CHUNK_BYTES = 1 << 18 };
 
-/* Some rows at a time: HDF5 filters chunks in its cache. */
+/* Sets the size of chunks: some rows, since HDF5 filters a chunk in its cache. */
 static void chunk_of(const dataset *d, hsize_t chunk[2]) {
     hsize_t row = d->extent[1] ? d->extent[1] : 1, rows = CHUNK_BYTES / (row * sizeof(double));
     chunk[0] = rows < 1 ? 1 : rows > d->extent[0] ? d->extent[0] : rows;
     chunk[1] = d->extent[1];
 }
 
-/* Packed by us: a user who stops a run waits for it, and HDF5's own filters took four times as long, a second for 1.2 million
- * pixels. */
+/* Writes a dataset whose chunks are packed here. HDF5's own filters took four times as long, a second for 1.2 million pixels,
+ * and the user who stops a run waits for it. */
 static tides_status write_dataset(const td_place *root, const dataset *d) {
     hsize_t chunk[2];
     chunk_of(d, chunk);

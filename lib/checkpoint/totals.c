@@ -1,8 +1,8 @@
-/* A checkpoint's statistics: those of which two parts of a run make one by their sum or the larger. The rest is worked out
- * anew. */
+/* Saves the statistics of a run's first part: those that are combined with the second part's by their sum or maximum. Others
+ * are computed again. */
 #include "td_checkpoint.h"
 
-/* The next row from `*i` on that the file has; NULL after the last. */
+/* The next row from `*i` on that is saved; NULL after the last. */
 static const tides_stat *next(size_t *i) {
     size_t count;
     const tides_stat *table = tides_stats_table(&count);
@@ -23,7 +23,8 @@ tides_status td_totals_read(const td_place *place, tides_stats *stats) {
     tides_status status = TIDES_OK;
     memset(stats, 0, sizeof *stats);
     for (size_t i = 0; status == TIDES_OK && (row = next(&i)) != NULL;) {
-        double value = 0, least = row->type == TIDES_STAT_REAL ? -0x1p53 : 0; /* times are differences: may be just below 0 */
+        /* times are differences, and may be slightly below 0 */
+        double value = 0, least = row->type == TIDES_STAT_REAL ? -0x1p53 : 0;
         status = td_place_read_double(place, row->name, &value);
         if (status == TIDES_OK && !(value >= least && value < 0x1p53))
             status = td_fail(place->error, TIDES_BAD_FILE, "%s: %s is %g, no total", place->file, row->name, value);

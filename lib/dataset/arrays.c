@@ -1,4 +1,5 @@
-/* Arrays in HDF5 that grow along their first extent; shuffled and deflated like event files. */
+/* Arrays in HDF5 files that grow along their first extent, shuffled and deflated. For layouts that store images and times
+ * so. */
 #include "td_arrays.h"
 
 #include "archive/td_h5.h"
@@ -59,7 +60,7 @@ tides_status td_array_begin(td_arrays *arrays, const char *name, const td_array_
     return status;
 }
 
-/* One of the two is given. */
+/* Reads to `to` or writes from `from`; the other one is NULL. */
 static herr_t transfer(td_array *array, size_t first, size_t rows, const void *from, void *to) {
     hsize_t start[4] = {first}, count[4];
     memcpy(count, array->shape, sizeof count);

@@ -1,5 +1,5 @@
-/* contact.png: a row for each camera with its picture in the middle of the sequence, the events around it, flow, depth and
- * instances; so that a look says whether the dataset is what was meant. */
+/* contact.png: an overview, with a row for each camera. It shows the picture in the middle of the sequence, the events around
+ * that time, flow, depth and instances, so that a glance tells if the dataset is as intended. */
 #include "image/td_truth_range.h"
 #include "td_dataset.h"
 
@@ -10,10 +10,10 @@
 enum { PICTURE, EVENTS, FLOW, DEPTH, INSTANCE, PANELS, GAP = 4, LABEL = 14, LETTER = 6 };
 static const char *const labels[PANELS] = {"picture", "events", "flow", "depth", "instance"};
 
-/* [us] before and after the middle, of the events that are drawn. */
+/* Events are drawn within so many [us] of the middle. */
 enum { HALF_WINDOW = 10000 };
 
-/* Panels are as large as the largest camera; rows of cameras that lack something stay dark there. */
+/* All panels have the size of the largest camera. Panels that a camera lacks stay dark. */
 typedef struct contact {
     uint8_t *rgb, *panel;
     int32_t width, height, cell_width, cell_height;
@@ -52,7 +52,7 @@ static tides_status begin(td_writer *w, tides_error *error) {
     return TIDES_OK;
 }
 
-/* A camera's panel in its place, with what it is above. */
+/* Puts a camera's panel in its place, with a label above it. */
 static void place(td_writer *w, int panel, const uint8_t *rgb, const char *scale) {
     static const uint8_t light[3] = {230, 230, 230};
     contact *c = w->kept;
@@ -60,7 +60,8 @@ static void place(td_writer *w, int panel, const uint8_t *rgb, const char *scale
     const int32_t left = GAP + panel * (c->cell_width + GAP), top = c->row * (c->cell_height + GAP + LABEL) + LABEL;
     char text[80];
     snprintf(text, sizeof text, "%s %s%s", panel == 0 ? w->camera->name : "", labels[panel], scale);
-    if (c->cell_width / LETTER + 1 < (int32_t)sizeof text) text[c->cell_width / LETTER + 1] = '\0'; /* the next one's place */
+    /* ends before the next panel's label */
+    if (c->cell_width / LETTER + 1 < (int32_t)sizeof text) text[c->cell_width / LETTER + 1] = '\0';
     tides_picture_text(c->rgb, c->width, c->height, left, top - LABEL + 3, 1, light, text + (panel != 0));
     for (int32_t y = 0; y < k->height; y++)
         memcpy(c->rgb + 3 * ((size_t)(top + y) * (size_t)c->width + (size_t)left), rgb + 3 * (size_t)y * (size_t)k->width,

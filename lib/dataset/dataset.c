@@ -1,5 +1,5 @@
-/* A dataset: each camera of the rig simulated once and rendered once, what comes of it given to every layout as it comes, and
- * the folder put in its place when all is there. */
+/* Makes a dataset: simulates and renders each camera of the rig once, gives all results to every layout, and renames the
+ * folder when everything is written. */
 #include "signal/td_step.h"
 #include "td_dataset.h"
 #include "td_folder.h"
@@ -21,24 +21,24 @@ int32_t tides_dataset_layout_at(size_t index, tides_dataset_layout *layout) {
     return 1;
 }
 
-/* A dataset that is being made. */
+/* A dataset in progress. */
 typedef struct job {
     td_dataset set;
     td_writer writers[WRITERS_MAX];
     size_t writer_count;
     uint64_t events;
-    int32_t unseeing;    /* cameras that saw nothing */
-    char *folder, *part; /* without a slash at their ends */
-    int began;           /* `part` is there, and ours */
-    td_kept kept;        /* in it, as long as it isn't whole */
+    int32_t unseeing;    /* cameras that had no part of the scene in view */
+    char *folder, *part; /* both without a slash at the end */
+    int began;           /* 1: `part` exists, and belongs to this process */
+    td_kept kept;        /* events kept in `part` while the dataset is incomplete */
     tides_progress progress;
     void *user;
-    double from, width; /* what of the whole the stage that reports is */
+    double from, width; /* share of the whole that the current stage is */
     tides_error *error;
-    tides_status status; /* of the layouts, where the simulator's sink was left */
+    tides_status status; /* of the layouts, if one stopped the simulator */
 } job;
 
-/* Every layout in turn, until one fails. */
+/* Loops over all layouts until one fails. */
 #define EACH(j, w) for (td_writer *w = (j)->writers; w < (j)->writers + (j)->writer_count && (j)->status == TIDES_OK; w++)
 
 static int step(void *user, double fraction, const char *stage) {
@@ -46,7 +46,8 @@ static int step(void *user, double fraction, const char *stage) {
     return j->progress ? j->progress(j->user, j->from + j->width * fraction, stage) : 0;
 }
 
-/* -- what there is --------------------------------------------------------------------------------------------------------- */
+/* -- cameras and times
+ * --------------------------------------------------------------------------------------------------------- */
 
 static tides_status add_camera(td_dataset *set, tides_session *session, const tides_rig_camera *rig, tides_error *error) {
     td_member *camera = &set->cameras[set->count];
@@ -86,14 +87,14 @@ static tides_status add_cameras(td_dataset *set, tides_session *session, tides_e
     return status;
 }
 
-/* How many times of a rate lie within the run. */
+/* Number of times at this rate within the run. */
 static size_t times_of(const td_dataset *set, double hz) {
     size_t count = (size_t)(1e-6 * (double)(set->stop_us - set->start_us) * hz) + 2;
     while (count > 0 && td_dataset_us(set, hz, count - 1) > set->stop_us) count--;
     return count;
 }
 
-/* [us] that exposures reach before and after their middle at most, over all cameras. */
+/* Longest time that an exposure extends before or after its middle, over all cameras [us]. */
 static int64_t lead_of(const td_dataset *set) {
     double lead = 0;
     for (size_t i = 0; i < set->count; i++) {
@@ -104,7 +105,7 @@ static int64_t lead_of(const td_dataset *set) {
     return (int64_t)lead;
 }
 
-/* Whole microseconds within the run. */
+/* Sets the times of the dataset: whole microseconds within the run. */
 static void set_times(td_dataset *set, const tides_run_values *v) {
     const int64_t start = td_time_ns(v->start), stop = td_time_ns(v->stop);
     const int64_t lead = set->exposed ? lead_of(set) : 0;
@@ -121,7 +122,7 @@ static void set_times(td_dataset *set, const tides_run_values *v) {
     set->poses = times_of(set, set->pose_hz);
 }
 
-/* -- what is written ------------------------------------------------------------------------------------------------------- */
+/* -- layouts ------------------------------------------------------------------------------------------------------- */
 
 static tides_status add_writer(job *j, const td_layout *layout, char *root, tides_error *error) {
     if (!root) return TIDES_NO_MEMORY;
@@ -154,7 +155,7 @@ static tides_status fail_none(const char *name, size_t length, tides_error *erro
     return td_fail(error, TIDES_BAD_CONFIG, "layout '%.*s' is none of %s", (int)(length < 40 ? length : 40), name, all);
 }
 
-/* The names of `list`, each once, and the picture of it all. */
+/* Adds the layouts named in `list`, each once, and the overview picture. */
 static tides_status add_writers(job *j, const char *list, tides_error *error) {
     const int several = strchr(list, ',') != NULL;
     tides_status status = TIDES_OK;
@@ -171,7 +172,7 @@ static tides_status add_writers(job *j, const char *list, tides_error *error) {
     return status == TIDES_OK ? add_writer(j, &td_layout_contact, td_strdup(j->part, error), error) : status;
 }
 
-/* Layouts that are of one camera have a folder for each of several. */
+/* Begins a camera. A layout for a single camera gets a folder for each of several. */
 static void begin_camera(job *j, const td_member *camera) {
     EACH(j, w) {
         w->camera = camera;
@@ -197,8 +198,7 @@ static void simulate(job *j, const td_member *camera) {
     int32_t unseeing = 0;
     const tides_status status = td_kept_events(&j->kept, camera, step, j, take_events, j, &unseeing, &own);
     j->unseeing += status == TIDES_OK && unseeing;
-    if (status == TIDES_OK || j->status != TIDES_OK)
-        return; /* a layout's own failure says more than that the run was stopped */
+    if (status == TIDES_OK || j->status != TIDES_OK) return; /* the layout's own failure says more than "stopped" */
     j->status = status;
     if (j->error) *j->error = own;
 }
@@ -211,7 +211,7 @@ static void give_poses(job *j, const td_member *camera) {
     }
 }
 
-/* Gives the writers the samples of an IMU in the camera's place, with the camera's axes. */
+/* Gives the writers the samples of an IMU at the camera's place, in the camera's axes. */
 static void give_imu(job *j, const td_member *camera) {
     const tides_run_values *v = &camera->facts.values;
     tides_imu imu = v->imu;
@@ -230,7 +230,7 @@ static void give_camera(job *j, const td_member *camera, size_t index) {
     const double share = 1.0 / (double)j->set.count;
     begin_camera(j, camera);
     j->from = share * (double)index;
-    j->width = 0.7 * share; /* most of it, in runs measured */
+    j->width = 0.7 * share; /* most of the time, by measurement */
     if (j->status == TIDES_OK && camera->event >= 0) simulate(j, camera);
     give_poses(j, camera);
     give_imu(j, camera);
@@ -253,7 +253,8 @@ static void make(job *j) {
         j->status = td_fail(j->error, TIDES_WRITE_FAILED, "%s: can't be put in place: %s", j->folder, strerror(errno));
 }
 
-/* A dataset that was stopped, or had no room, keeps its events for another try; any other failure would only come again. */
+/* Ends an incomplete dataset. If it was stopped or the disk was full, events are kept for another try; other failures would
+ * come again. */
 static void leave(job *j) {
     const int stays = (j->status == TIDES_CANCELLED || j->status == TIDES_WRITE_FAILED) && td_kept_any(&j->kept);
     td_kept_close(&j->kept, stays);

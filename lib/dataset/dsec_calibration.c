@@ -1,12 +1,12 @@
-/* DSEC's calibration/cam_to_cam.yaml: cameras 0 to 3 as they are and rectified, how they stand to each other as they are, how
- * each is turned to be rectified, and Q of both pairs, whose baseline is 1 / Q[3][2]. */
+/* DSEC's calibration/cam_to_cam.yaml: intrinsics of cameras 0 to 3, raw and rectified; transforms between them; the rotation
+ * that rectifies each; and Q of both pairs, whose baseline is 1 / Q[3][2]. */
 #include "td_dataset.h"
 
 #include <string.h>
 
-/* A camera by its number: 0 and 3 make events, 1 and 2 pictures. */
+/* A camera by DSEC's number: 0 and 3 make events, 1 and 2 pictures. */
 typedef struct numbered {
-    const td_member *camera; /* NULL: there is none */
+    const td_member *camera; /* NULL: this camera doesn't exist */
     const td_view *view;
 } numbered;
 static const struct { int kind, side; } numbers[4] = {{TD_TRUTH, 0}, {TD_PICTURE, 0}, {TD_PICTURE, 1}, {TD_TRUTH, 1}};
@@ -20,7 +20,7 @@ static tides_status put_size(td_text *yaml, const tides_intrinsics *k, tides_err
     return td_text_put(yaml, error, "    resolution: [%d, %d]\n", (int)k->width, (int)k->height);
 }
 
-/* As Kalibr says it. */
+/* Writes a camera's intrinsics under Kalibr's names. */
 static tides_status put_camera(td_text *yaml, const numbered *one, int number, tides_error *error) {
     double l[TD_COEFFICIENTS_MAX];
     const char *model = td_lens_numbers(one->camera, l)->name;
@@ -44,7 +44,7 @@ static tides_status put_matrix(td_text *yaml, const char *name, const double *m,
     return status;
 }
 
-/* T_10, T_21 ... between neighbours of those that there are. */
+/* Writes T_10, T_21 ... between neighbours of the cameras that exist. */
 static tides_status put_extrinsics(const td_dataset *set, td_text *yaml, const numbered cameras[4], tides_error *error) {
     tides_status status = td_text_put(yaml, error, "extrinsics:\n");
     for (int i = 0, before = -1; i < 4 && status == TIDES_OK; i++) {
@@ -61,7 +61,7 @@ static tides_status put_extrinsics(const td_dataset *set, td_text *yaml, const n
     return status;
 }
 
-/* Q: (u, v, disparity, 1) to a point of the left one's rectified view. */
+/* Writes Q, which maps (u, v, disparity, 1) to a point in the left camera's rectified view. */
 static tides_status put_depth(const td_dataset *set, td_text *yaml, const char *name, const numbered *left,
                               const numbered *right, tides_error *error) {
     if (!left->camera || !right->camera) return TIDES_OK;

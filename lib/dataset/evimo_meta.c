@@ -1,13 +1,13 @@
-/* EVIMO2's `meta` in dataset_info.npz, which its readers take times, poses and the IMU from: a dict of
- *   frames           of each ground truth: id (the number in its planes' names, from 0 on), ts [s], cam, OBJECT ..., gt_frame,
+/* EVIMO2's `meta` in dataset_info.npz, from which its readers take times, poses and the IMU. It is a dict of
+ *   frames           for each ground truth: id (the number in its planes' names, from 0 on), ts [s], cam, OBJECT ..., gt_frame,
  *                    classical_frame
- *   full_trajectory  of each pose: id, ts, cam, OBJECT ...
- *   imu              {"/CAMERA/imu": [{ts, angular_velocity, linear_acceleration}]}, where there is one
+ *   full_trajectory  for each pose: id, ts, cam, OBJECT ...
+ *   imu              {"/CAMERA/imu": [{ts, angular_velocity, linear_acceleration}]}, if there is one
  *   meta             fx fy cx cy, k1 k2 k3 k4 p1 p2 of dist_model (radtan, equidistant), res_x res_y num_frames, and
- *                    ros_time_offset: 0, for all times are the run's
- * cam is {ts, pos: {t: {x y z} [m], q: {w x y z}, rpy: {r p y}}}, the camera in the world. OBJECT is its number in the masks as
- * text, and the same of the object in the camera; what is at rest has one, too, for readers find flow by it. How an object's
- * Gaussians move by themselves isn't in it. All is pickled as what it tells comes. */
+ *                    ros_time_offset, which is 0 as all times are the run's
+ * cam is {ts, pos: {t: {x y z} [m], q: {w x y z}, rpy: {r p y}}}, the camera in the world. The key OBJECT is an object's
+ * number in the masks as text; its value is such a pose of the object in the camera. Objects at rest have one, too, since
+ * readers compute flow from it. Motion of Gaussians within an object isn't included. Everything is pickled as it comes. */
 #include "td_evimo.h"
 
 #include "camera/td_rotation.h"
@@ -31,7 +31,7 @@ static void put_vector(td_pickler *p, const char *key, const double v[3]) {
     put_named(p, names, v, 3);
 }
 
-/* Angles about x, y and z in that order, as tf's getRPY has them. */
+/* Writes the angles about x, y and z, in this order (tf's getRPY). */
 static void put_angles(td_pickler *p, const double r[9]) {
     static const char *const names[] = {"r", "p", "y"};
     const double angles[3] = {td_atan2(r[7], r[8]), td_atan2(-r[6], td_hypot(r[7], r[8])), td_atan2(r[3], r[0])};
@@ -44,7 +44,7 @@ static void put_time(td_pickler *p, double seconds) {
     td_pickler_number(p, seconds);
 }
 
-/* Where `name` is: {ts, pos}. */
+/* Writes the pose of `name`: {ts, pos}. */
 static void put_place(td_pickler *p, const char *name, double scale, const td_place_at *at) {
     static const char *const quaternion[] = {"w", "x", "y", "z"};
     const double metres[3] = {at->position[0] * scale, at->position[1] * scale, at->position[2] * scale};
@@ -61,7 +61,7 @@ static void put_place(td_pickler *p, const char *name, double scale, const td_pl
     td_pickler_dict_end(p);
 }
 
-/* Pose of an object in the camera: R_c^T R_o and R_c^T (t_o - t_c). */
+/* Pose of an object in the camera's axes: R_c^T R_o and R_c^T (t_o - t_c). */
 static tides_status find_object(const td_writer *w, int32_t index, const td_place_at *camera, td_place_at *place,
                                 tides_error *error) {
     tides_object object;
@@ -79,7 +79,7 @@ static tides_status find_object(const td_writer *w, int32_t index, const td_plac
     return status;
 }
 
-/* id, ts, cam and objects of a dict that stays open. */
+/* Begins a dict with id, ts, cam and objects; it stays open. */
 static void begin_place(td_evimo_meta *m, const td_writer *w, size_t id, const td_place_at *at) {
     td_pickler *p = &m->pickler;
     td_pickler_dict(p);
@@ -102,7 +102,7 @@ static void leave(td_evimo_meta *m) {
     m->section = 0;
 }
 
-/* Sections come one after the other: poses, samples of the IMU, ground truth. */
+/* Begins a section, and ends the previous one. The order is: poses, IMU samples, ground truth. */
 static void enter(td_evimo_meta *m, int section, const char *camera) {
     if (m->section == section) return;
     static const char *const names[] = {"", "full_trajectory", "imu", "frames"};

@@ -1,5 +1,5 @@
-/* Pictures as the run's exposure.* keys say: light gathered over a time, by a global or rolling shutter, with its noise; colour
- * and luminance of one exposure, in 8 bits. */
+/* Exposed pictures by the run's exposure.* keys: light over an exposure time, with a global or rolling shutter, and noise.
+ * Colour and luminance come from one exposure, in 8 bits. */
 #include "td_dataset.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* Folders and text files of a dataset. They are written in a folder that isn't there for anybody yet (FOLDER.part, renamed as
- * a whole at the end), so that its files need no care of their own. */
+/* Folders and text files of a dataset. They are written in FOLDER.part, which is renamed as a whole at the end; so no file
+ * needs a .part of its own. */
 #include "td_dataset.h"
 #include "td_folder.h"
 
@@ -27,7 +27,7 @@ tides_status td_make_parents(const char *file, tides_error *error) {
     return status;
 }
 
-/* Links are removed, not followed. */
+/* Empties a folder. Links are removed, not followed. */
 void td_empty_folder(const char *path, const char *except) {
     DIR *folder = opendir(path);
     for (struct dirent *entry; folder && (entry = readdir(folder));) {

@@ -1,6 +1,6 @@
-/* Events of a dataset that is being made (td_kept.h). Each camera NAME has NAME.h5, with its checkpoint as long as it isn't
- * whole, and NAME.run, the fingerprint of the run. NAME.seen says that all events are there, and whether anything was in
- * view. */
+/* Keeps the events of an incomplete dataset, so that a second try needn't simulate again. Camera NAME has NAME.h5 (with a
+ * checkpoint while it is incomplete) and NAME.run, the fingerprint of its run. NAME.seen means that all events are in the
+ * file, and says if the camera had anything in view. */
 #include "td_kept.h"
 #include "td_folder.h"
 
@@ -17,7 +17,7 @@ static const char own[] = ".events";
 
 /* -- the folder ------------------------------------------------------------------------------------------------------------ */
 
-/* Held as long as the process lives: no process writes a part without it. */
+/* Locks the folder for the life of the process, so that no other process writes it. */
 static tides_status take_lock(td_kept *kept, const char *part, tides_error *error) {
     char *path = td_in_folder(kept->folder, error, "lock");
     if (!path) return TIDES_NO_MEMORY;
@@ -25,7 +25,7 @@ static tides_status take_lock(td_kept *kept, const char *part, tides_error *erro
     free(path);
     if (kept->lock < 0) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", part, strerror(errno));
     if (flock(kept->lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
-        return TIDES_OK; /* not all file systems have locks */
+        return TIDES_OK; /* some file systems have no locks */
     close(kept->lock);
     kept->lock = -1;
     return td_fail(error, TIDES_WRITE_FAILED, "%s: another process is writing it", part);
@@ -64,7 +64,7 @@ void td_kept_close(td_kept *kept, int stays) {
 
 /* -- a camera -------------------------------------------------------------------------------------------------------------- */
 
-/* Names of its files. */
+/* The names of a camera's files. */
 typedef struct files {
     char *events, *checkpoint, *run, *seen;
 } files;
@@ -84,7 +84,7 @@ static void free_files(files *names) {
     free(names->seen);
 }
 
-/* Reads the first line of a small file; "" where there is none. */
+/* Reads the first line of a small file; "" if the file doesn't exist. */
 static void read_word(const char *path, char *word, size_t bytes) {
     char *text = NULL;
     size_t length = 0;
@@ -102,7 +102,7 @@ static tides_status write_word(const char *path, const char *word, tides_error *
     return td_text_close(&text, status, error);
 }
 
-/* Files of another run, or of another version, go. */
+/* Removes a camera's files if they are of another run, or of another version. */
 static tides_status match_run(td_kept *kept, const td_member *camera, const files *names, tides_error *error) {
     char mine[32], there[32];
     tides_fingerprint print;

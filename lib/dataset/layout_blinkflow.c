@@ -1,8 +1,8 @@
-/* BlinkFlow (Li et al. 2023), of each camera: events_left/events.h5 as DSEC has it, forward_flow/%06d.npy, float32 (height,
- * width, 3): the displacement to the next ground truth [px], and 1 where it is known; and config.yaml. A point that is hidden
- * there has one, too. Its loader puts flow K beside the events of [K, K + 1] / fps, with fps and duration from config.yaml (10
- * and 1 s without it), counted from the events' own 0: that is the first ground truth's time; earlier events are left out.
- * config.yaml's `start` is that time in the run [s]. */
+/* The layout of BlinkFlow (Li et al. 2023). Each camera has events_left/events.h5 as in DSEC, forward_flow/%06d.npy, and
+ * config.yaml. Flow is float32 (height, width, 3): the displacement to the next ground truth [px], and 1 where it is known,
+ * even if the point is hidden then. The loader combines flow K with the events in [K, K + 1] / fps, with fps and duration
+ * from config.yaml (defaults 10 and 1 s). Its times count from the first ground truth, so earlier events are left out.
+ * `start` in config.yaml is that time in the run [s]. */
 #include "archive/td_npy.h"
 #include "signal/td_step.h"
 #include "td_dataset.h"
@@ -27,7 +27,7 @@ static tides_status write_config(const td_writer *w, tides_error *error) {
     return td_text_close(&text, status, error);
 }
 
-/* The file's 0 is the first ground truth. */
+/* Begins the events; the file's time 0 is the first ground truth. */
 static tides_status begin_events(const td_writer *w, char *path, tides_event_writer **events, tides_error *error) {
     const tides_session_facts *f = &w->camera->facts;
     const tides_event_file facts = {.width = f->intrinsics.width,

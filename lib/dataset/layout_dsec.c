@@ -1,14 +1,14 @@
-/* DSEC (Gehrig et al. 2021; dsec.ifi.uzh.ch/data-format), of a rig: event cameras left and right, cameras of pictures left and
- * right. Times are microseconds. Events are raw; pictures are rectified, and so are flow and disparity, which are the left
- * event camera's.
+/* The layout of DSEC (Gehrig et al. 2021; dsec.ifi.uzh.ch/data-format): a rig with event cameras left and right, and cameras
+ * for pictures left and right. Times are microseconds. Events are raw; pictures are rectified, and so are flow and disparity,
+ * which are those of the left event camera.
  *
- *   events/{left,right}/events.h5, rectify_map.h5 (rectified place of each raw pixel)
+ *   events/{left,right}/events.h5, rectify_map.h5 (rectified coordinates of each raw pixel)
  *   images/timestamps.txt, images/{left,right}/exposure_timestamps.txt, images/{left,right}/rectified/%06d.png
- *   flow/{forward,backward}/%06d.png, 16 bits: (I - 32768) / 128 in R and G [px], B = 1: known; number of the picture at the
- *     time that it begins; flow/{forward,backward}_timestamps.txt
+ *   flow/{forward,backward}/%06d.png, 16 bits: (I - 32768) / 128 in R and G [px], B = 1: known; numbered as the picture at its
+ *     first time; flow/{forward,backward}_timestamps.txt
  *   disparity/event/%06d.png, 16 bits: I / 256 [px], 0: unknown; disparity/timestamps.txt
  *   calibration/cam_to_cam.yaml: cam0 and cam3 make events, cam1 and cam2 pictures, left and right
- *   poses.txt: `t px py pz qx qy qz qw` of the left event camera [s, m], which DSEC itself hasn't */
+ *   poses.txt: `t px py pz qx qy qz qw` of the left event camera [s, m]; DSEC itself has no such file */
 #include "td_arrays.h"
 #include "td_dataset.h"
 
@@ -23,7 +23,7 @@ typedef struct dsec {
     uint16_t *rgb;
 } dsec;
 
-/* -- what it has a place for ---------------------------------------------------------------------------------------------- */
+/* -- checks ---------------------------------------------------------------------------------------------- */
 
 static tides_status check(const td_dataset *set, tides_error *error) {
     if (set->event_cameras < 1 || set->event_cameras > 2 || set->picture_cameras > 2)
@@ -63,7 +63,7 @@ static tides_status begin_events(td_writer *w, dsec *d, tides_error *error) {
     return status == TIDES_OK ? write_rectify_map(w, error) : status;
 }
 
-/* Begins the files of the left event camera. */
+/* Begins the files of ground truth, which is that of the left event camera. */
 static tides_status begin_truth(td_writer *w, dsec *d, tides_error *error) {
     static const char head[] = "# from_timestamp_us, to_timestamp_us\n";
     tides_status status = td_text_in_folder(&d->forward, w->folder, "flow/forward_timestamps.txt", error);
@@ -114,7 +114,7 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
 
 /* -- ground truth ---------------------------------------------------------------------------------------------------------- */
 
-/* 32768 + 128 px; -1 where 16 bits don't hold it. */
+/* A component of flow in 16 bits, 32768 + 128 px; -1 if it doesn't fit. */
 static int32_t flow_16(double px) {
     const double value = rint(128 * px) + 32768;
     return value >= 0 && value <= 65535 ? (int32_t)value : -1;
@@ -136,7 +136,8 @@ static tides_status write_flow(td_writer *w, const char *format, unsigned number
 static tides_status write_disparity(td_writer *w, const td_truth *t, unsigned number, tides_error *error) {
     dsec *d = w->state;
     const double fx = w->camera->rectified[TD_TRUTH].intrinsics.fx;
-    const double pixels = 256 * fx * td_baseline(w->set, w->camera, td_find_camera(w->set, TD_TRUTH, 1)); /* at a metre */
+    /* at a depth of one metre */
+    const double pixels = 256 * fx * td_baseline(w->set, w->camera, td_find_camera(w->set, TD_TRUTH, 1));
     for (size_t i = 0; i < td_pixels(w->camera); i++) {
         const double value = t->depth[i] > 0 ? rint(pixels / (t->depth[i] * w->set->metres)) : 0;
         d->rgb[i] = value >= 1 && value <= 65535 ? (uint16_t)value : 0;

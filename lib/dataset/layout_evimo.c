@@ -1,9 +1,9 @@
-/* EVIMO2 v2, its npz form (Burner et al. 2022), of each camera: dataset_events_{t,xy,p}.npy [s, px, 0 or 1],
- * dataset_classical.npz (pictures), dataset_depth.npz [mm, 0: none], dataset_mask.npz (1000 times the object's number in the
- * scene plus one; 0: none), dataset_flow.npz (displacement to the next ground truth [px], NaN: unknown; and t, t_end), each
- * plane under KIND_NUMBER, the ground truth's number: 0, 1, 2 and so on, since readers walk them so. Pictures between are under
- * between_NUMBER, of all pictures; t and t_between have the times of either kind. dataset_info.npz has K, D and meta
- * (evimo_meta.c). Poses are in poses.txt as well, `t px py pz qx qy qz qw` of the camera in the world [m]. */
+/* The layout of EVIMO2 v2 in npz form (Burner et al. 2022). Each camera has dataset_events_{t,xy,p}.npy [s, px, 0 or 1],
+ * dataset_classical.npz (pictures), dataset_depth.npz [mm, 0: none], dataset_mask.npz (1000 times the object's number plus
+ * one; 0: none), and dataset_flow.npz (displacement to the next ground truth [px], NaN: unknown; t, t_end). A plane is named
+ * KIND_NUMBER, with the number of its ground truth: 0, 1, 2 and so on, as readers expect. Other pictures are between_NUMBER,
+ * by their number among all pictures; t and t_between are the times of both kinds. dataset_info.npz has K, D and meta. Poses
+ * are also in poses.txt, `t px py pz qx qy qz qw` of the camera in the world [m]. */
 #include "td_evimo.h"
 
 #include <math.h>
@@ -20,9 +20,9 @@ typedef struct evimo {
     td_text poses;
     uint16_t *plane;
     float *flow;
-    double *times; /* of the flow: from, to */
+    double *times; /* of the flow: begin, end */
     size_t flows;
-    double *taken[2]; /* times of pictures at ground truths, and of those between */
+    double *taken[2]; /* times of pictures at ground truths, and of others */
     size_t pictures[2];
     td_evimo_meta meta;
 } evimo;
@@ -71,7 +71,7 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
     return status;
 }
 
-/* A (height x width) plane, or one of `last` numbers a pixel where that isn't 0. */
+/* Writes a (height x width) plane; if `last` isn't 0, with `last` values per pixel. */
 static tides_status put(td_writer *w, int which, const char *kind, size_t index, size_t last, const void *values,
                         tides_error *error) {
     static const struct {
@@ -130,7 +130,7 @@ static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error
 }
 
 static tides_status imu(td_writer *w, const tides_imu_sample *sample, tides_error *error) {
-    (void)error; /* td_evimo_end tells */
+    (void)error; /* td_evimo_end reports failures */
     td_evimo_imu(&((evimo *)w->state)->meta, w, sample);
     return TIDES_OK;
 }
@@ -185,7 +185,7 @@ static tides_status end(td_writer *w, tides_error *error) {
     return status;
 }
 
-/* Sixteen bits hold 64 objects. */
+/* Refuses scenes with more than 64 objects: masks have 16 bits. */
 static tides_status check(const td_dataset *set, tides_error *error) {
     if (td_check_numbers(set, "evimo", error) != TIDES_OK) return TIDES_BAD_CONFIG;
     const int32_t objects = tides_scene_objects(set->cameras[0].facts.scene);

@@ -1,8 +1,8 @@
-/* Kubric's tracks of points, as EventKubric (Hamann et al. 2025) has them for events, of each camera: annotations.npy, a dict
- * of target_points (tracks x pictures x 2) [px] and occluded (tracks x pictures), 1 also outside of the image, as tides tracks
- * writes them; events.h5 as DSEC has it; frames/%05d.png and timestamps.txt [s], the pictures that tracks are counted by. The
- * first pixel's centre is at 0.5, as TAP-Vid has it. EventKubric's own data.hdf5 (96 pictures in 2 s as rgba, normals, object
- * coordinates) and its prepared representations are its makers' and not written: its loader reads our annotations alone. */
+/* The layout of Kubric's point tracks, as EventKubric (Hamann et al. 2025) has them for events. Each camera has
+ * annotations.npy, a dict of target_points (tracks x pictures x 2) [px] and occluded (tracks x pictures), which is 1 also
+ * outside of the image; events.h5 as in DSEC; frames/%05d.png and timestamps.txt [s], the pictures by which tracks are
+ * counted. The first pixel's centre is at 0.5, as in TAP-Vid. EventKubric's data.hdf5 and its prepared representations aren't
+ * written: its loader needs only the annotations of TIDES. */
 #include "td_dataset.h"
 
 #include <math.h>
@@ -30,8 +30,8 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
     return td_plane_write(w->folder, "frames/%05u.png", (unsigned)p->index, w->camera, 8, 3, p->rgb, error);
 }
 
-/* Tracks at the pictures' times, which are whole microseconds: the run ends with the last one, where its path may end too, and
- * the rate is what puts them there. Numbers are whole, with an exponent: no locale has a point in them. */
+/* Writes the tracks at the pictures' times, which are whole microseconds. The run ends at the last picture, where its path
+ * may end, too, and the rate puts the times there. Numbers are whole, with an exponent, so that no locale changes them. */
 static tides_status write_tracks(td_writer *w, tides_error *error) {
     const td_dataset *set = w->set;
     char start[64], stop[64], rate[64];
@@ -40,7 +40,8 @@ static tides_status write_tracks(td_writer *w, tides_error *error) {
     const double steps = (double)(set->pictures - 1),
                  hz = steps > 0 ? 1e6 * steps / (double)(last - set->start_us) : set->picture_hz;
     snprintf(stop, sizeof stop, "time.stop=%llde-6", (long long)(steps > 0 ? last : set->stop_us));
-    snprintf(rate, sizeof rate, "tracks.rate_hz=%llde-9", (long long)ceil(1e9 * hz)); /* not below: the last one is in it */
+    /* rounded up, so that the last picture is included */
+    snprintf(rate, sizeof rate, "tracks.rate_hz=%llde-9", (long long)ceil(1e9 * hz));
     const char *const sets[] = {start, stop, rate};
     tides_session *session = NULL;
     char *path = td_in_folder(w->folder, error, "annotations.npy");

@@ -1,15 +1,16 @@
-/* MVSEC (Zhu et al. 2018; daniilidis-group.github.io/mvsec), of one or two cameras that make both events and pictures. Seconds.
+/* The layout of MVSEC (Zhu et al. 2018; daniilidis-group.github.io/mvsec), for one or two cameras that make both events and
+ * pictures. Times are seconds.
  *
  *   NAME_data.hdf5  davis/{left,right}/events (n, 4): x, y, t, p = +-1; image_raw (n, height, width), image_raw_ts,
- *                   image_raw_event_inds (the last event up to the picture, or the first);
+ *                   image_raw_event_inds (index of the last event up to the picture, or of the first);
  *                   imu (n, 6): ax ay az gx gy gz, imu_ts
  *   NAME_gt.hdf5    davis/{left,right}/depth_image_raw (n, height, width) [m], NaN: none; depth_image_raw_ts;
  *                   pose (n, 4, 4) of the camera in the world [m], pose_ts; davis/left/flow_dist (n, 2, height, width), _ts
- *   NAME_gt_flow_dist.npz  timestamps, x_flow_dist, y_flow_dist: the same
- *   camchain.yaml   as Kalibr has it
+ *   NAME_gt_flow_dist.npz  timestamps, x_flow_dist, y_flow_dist: the same displacements
+ *   camchain.yaml   Kalibr's format
  *
- * flow_dist is the displacement [px] to the next ground truth of what is seen, 0 where unknown, in the image as it is (MVSEC's
- * own was computed from rectified depth whatever its name says). */
+ * flow_dist is the displacement [px] of the visible points to the next ground truth, 0 if unknown, in the raw (distorted)
+ * image. In spite of the name, MVSEC's own was computed from rectified depth. */
 #include "archive/td_npy.h"
 #include "td_arrays.h"
 #include "td_dataset.h"
@@ -20,7 +21,7 @@
 
 static const char *const sides[] = {"left", "right"};
 
-/* Files that both cameras are in. */
+/* Files that contain both cameras. */
 typedef struct mvsec_files {
     td_arrays data, truth;
     td_text chain;
@@ -42,15 +43,15 @@ enum {
     ARRAYS
 };
 
-/* Rows that are packed together: of events, of numbers, of whole images. */
+/* Rows that are packed into one chunk: of events, of numbers. */
 enum { EVENT_ROWS = 16384, NUMBER_ROWS = 1024 };
 
 typedef struct mvsec {
     td_array array[ARRAYS];
     double *rows;    /* EVENT_ROWS x 4, or a pair of planes */
-    int64_t *before; /* events up to each picture */
+    int64_t *before; /* number of events up to each picture */
     int64_t seen;
-    size_t passed; /* pictures whose events have all come */
+    size_t passed; /* pictures that have no further events */
 } mvsec;
 
 static mvsec_files *files_of(td_writer *w) { return w->kept; }
@@ -140,14 +141,14 @@ static tides_status begin(td_writer *w, tides_error *error) {
     return status == TIDES_OK ? begin_arrays(w, error) : status;
 }
 
-/* -- what comes ------------------------------------------------------------------------------------------------------------ */
+/* -- writing ------------------------------------------------------------------------------------------------------------ */
 
 static tides_status put(td_writer *w, int which, size_t rows, const void *values, tides_error *error) {
     mvsec *m = w->state;
     return td_array_append(file_of(w, which), &m->array[which], rows, values, error);
 }
 
-/* Pictures before `ns` have seen what has come so far. */
+/* Notes the number of events so far for all pictures before `ns`. */
 static void pass_pictures(td_writer *w, int64_t ns) {
     mvsec *m = w->state;
     while (m->passed < w->set->pictures && 1000 * td_dataset_us(w->set, w->set->picture_hz, m->passed) < ns)
@@ -173,8 +174,8 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
     mvsec *m = w->state;
-    pass_pictures(w, INT64_MAX);                                                 /* events have all come */
-    const int64_t index = m->before[p->index] > 0 ? m->before[p->index] - 1 : 0; /* -1 would count from the end */
+    pass_pictures(w, INT64_MAX);                                                 /* all events have come */
+    const int64_t index = m->before[p->index] > 0 ? m->before[p->index] - 1 : 0; /* -1 would mean the last event */
     const double t = td_seconds(p->us);
     tides_status status = put(w, IMAGES, 1, p->grey, error);
     if (status == TIDES_OK) status = put(w, IMAGE_TIMES, 1, &t, error);
@@ -219,7 +220,7 @@ static tides_status imu(td_writer *w, const tides_imu_sample *s, tides_error *er
 
 /* -- ending ---------------------------------------------------------------------------------------------------------------- */
 
-/* u (0) or v (1) of all flow_dist, read back: one of them at a time is what an .npz takes. */
+/* Copies u (0) or v (1) of all flow_dist to the .npz. They are read back, because an .npz takes one array at a time. */
 static tides_status copy_flow(td_writer *w, td_npy_writer *npy, int which, tides_error *error) {
     mvsec *m = w->state;
     const size_t pixels = td_pixels(w->camera);

@@ -1,7 +1,6 @@
-/* A ROS 2 bag, NAME.mcap with rosbag2's metadata.yaml: of each camera /CAMERA/events (event_camera_msgs/EventPacket, encoding
- * evt3), image_raw, camera_info, pose of the camera in the world [m], depth (32FC1 [m], NaN: none, as REP 118 has it) and
- * optic_flow (32FC2 [px/s], as ESIM has it). Messages are at the run's times;
- * packets of events at their first event's. */
+/* A ROS 2 bag, NAME.mcap with rosbag2's metadata.yaml. Each camera has /CAMERA/events (event_camera_msgs/EventPacket,
+ * encoding evt3), image_raw, camera_info, pose in the world [m], depth (32FC1 [m], NaN: none, by REP 118) and optic_flow
+ * (32FC2 [px/s], as in ESIM). Messages have the run's times; a packet of events has that of its first event. */
 #include "signal/td_step.h"
 #include "td_ros.h"
 
@@ -9,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Events of a packet at most: some 200 kB, what DDS sends without trouble. */
+/* Most events of a packet: about 200 kB, which DDS sends without trouble. */
 enum { PACKET = 32768, TOPICS = 64 };
 
-/* Topics of a camera, in the order of their kinds: the first of these are TD_ROS_*, images of numbers follow. */
+/* Topics of a camera: TD_ROS_* first, then images of numbers. */
 enum { DEPTH = TD_ROS_KINDS, FLOW, CHANNELS };
 
 typedef struct topic {
@@ -23,11 +22,11 @@ typedef struct topic {
 typedef struct ros2 {
     td_mcap *mcap;
     td_buffer message;
-    topic topics[TOPICS]; /* as the channels are numbered */
+    topic topics[TOPICS]; /* indexed like the channels */
     int count;
-    int channel[CHANNELS]; /* of the camera */
+    int channel[CHANNELS]; /* of the current camera */
     uint64_t packets;
-    float *plane; /* two values a pixel */
+    float *plane; /* two values per pixel */
 } ros2;
 
 static tides_status check(const td_dataset *set, tides_error *error) {
@@ -89,7 +88,7 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
     return status;
 }
 
-/* Cameras without pictures tell what they are with each ground truth. */
+/* Writes camera_info with each ground truth, for cameras without pictures. */
 static tides_status tell(td_writer *w, int64_t us, tides_error *error) {
     ros2 *r = w->kept;
     td_ros_info(&r->message, w->camera, 1000 * us);
@@ -129,7 +128,7 @@ static tides_status imu(td_writer *w, const tides_imu_sample *sample, tides_erro
     return send(r, TD_ROS_IMU, ns, error);
 }
 
-/* rosbag2's version 5. */
+/* Writes metadata.yaml, version 5 of rosbag2. */
 static tides_status put_metadata(td_writer *w, td_text *yaml, tides_error *error) {
     ros2 *r = w->kept;
     int64_t first, last;

@@ -1,5 +1,6 @@
-/* TUM RGB-D (Sturm et al. 2012): rgb/ and depth/ with rgb.txt and depth.txt, files called by their times; depth in 16 bits,
- * 5000 to a metre, 0 where there is none; groundtruth.txt `t tx ty tz qx qy qz qw` of the camera in the world [m]. Seconds. */
+/* The layout of TUM RGB-D (Sturm et al. 2012). It has rgb/ and depth/ with rgb.txt and depth.txt, and files named by their
+ * times [s]. Depth has 16 bits, 5000 per metre, and 0 for none. groundtruth.txt is `t tx ty tz qx qy qz qw` of the camera in
+ * the world [m]. */
 #include "td_dataset.h"
 
 #include <stdlib.h>
@@ -22,7 +23,7 @@ static tides_status begin(td_writer *w, tides_error *error) {
     return status == TIDES_OK ? td_text_put(&t->poses, error, "# timestamp tx ty tz qx qy qz qw\n") : status;
 }
 
-/* A picture called by its time, which has a decimal point in any locale, and its line. */
+/* Writes a picture named by its time (with a decimal point in any locale), and its line. */
 static tides_status put(td_writer *w, td_text *lines, const char *kind, int64_t us, int32_t bits, int32_t channels,
                         const void *values, tides_error *error) {
     char name[64];

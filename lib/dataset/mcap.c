@@ -1,6 +1,6 @@
-/* MCAP, written as a stream: uncompressed chunks of some megabytes, the messages' places in each behind it, and at the end what
- * is needed to read in the order of time: schemas, channels, statistics and where chunks are. Cameras come one after the other,
- * so that chunks of different ones overlap in time; readers merge them by the index. Checksums are 0, "not available". */
+/* Writes MCAP as a stream: uncompressed chunks of some megabytes, each followed by an index of its messages. At the end come
+ * schemas, channels, statistics and the places of chunks, for reading in order of time. Cameras are written one after the
+ * other, so their chunks overlap in time, and readers merge them by the index. Checksums are 0, which means "not available". */
 #include "td_mcap.h"
 
 #include <errno.h>
@@ -16,17 +16,17 @@ typedef struct channel {
     char *topic, *type;
     const char *schema;
     uint64_t count;
-    td_buffer index; /* of the chunk: times and offsets */
+    td_buffer index; /* times and offsets in the current chunk */
 } channel;
 
 struct td_mcap {
     FILE *file;
     char *path;
     uint64_t at, messages;
-    int64_t first, last;            /* [ns] of all */
-    channel channels[CHANNELS_MAX]; /* each with a schema of its own number: types may repeat */
+    int64_t first, last;            /* [ns] over all messages */
+    channel channels[CHANNELS_MAX]; /* each has its own schema number, though types may repeat */
     int channel_count;
-    td_buffer chunk, chunk_index, record; /* record: what is being put together */
+    td_buffer chunk, chunk_index, record; /* record: the record being assembled */
     int64_t chunk_first, chunk_last;
     uint32_t chunks;
 };
@@ -67,7 +67,7 @@ static tides_status put(td_mcap *m, const void *bytes, size_t size, tides_error 
     return TIDES_OK;
 }
 
-/* m->record as a record of its kind; it is empty then. */
+/* Writes m->record as a record of this kind, and empties it. */
 static tides_status put_record(td_mcap *m, int kind, tides_error *error) {
     unsigned char head[9] = {(unsigned char)kind};
     if (m->record.failed) return td_fail(error, TIDES_NO_MEMORY, "%s: out of memory", m->path);
@@ -81,7 +81,7 @@ static tides_status put_record(td_mcap *m, int kind, tides_error *error) {
 
 static tides_status put_channel(td_mcap *m, int number, tides_error *error) {
     const channel *c = &m->channels[number];
-    td_buffer_number(&m->record, (uint64_t)number + 1, 2); /* 0 is no schema */
+    td_buffer_number(&m->record, (uint64_t)number + 1, 2); /* 0 means no schema */
     put_text(&m->record, c->type);
     put_text(&m->record, "ros2msg");
     put_text(&m->record, c->schema);
@@ -117,7 +117,7 @@ tides_status td_mcap_channel(td_mcap *m, const char *topic, const char *type, co
     if (m->channel_count == CHANNELS_MAX)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: more than %d topics", m->path, CHANNELS_MAX);
     channel *c = &m->channels[m->channel_count];
-    *number = m->channel_count++; /* what is made of it is freed with the mcap */
+    *number = m->channel_count++; /* freed with the mcap, even if incomplete */
     c->topic = td_strdup(topic, error);
     c->type = c->topic ? td_strdup(type, error) : NULL;
     c->schema = schema;
@@ -126,7 +126,7 @@ tides_status td_mcap_channel(td_mcap *m, const char *topic, const char *type, co
 
 /* -- chunks ---------------------------------------------------------------------------------------------------------------- */
 
-/* The places of each channel's messages, and where those records are: chunk_index's map. */
+/* Writes the index of each channel's messages, and collects the places of these records for chunk_index. */
 static tides_status put_indexes(td_mcap *m, td_buffer *map, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int i = 0; i < m->channel_count && status == TIDES_OK; i++) {
@@ -219,7 +219,7 @@ static tides_status put_statistics(td_mcap *m, tides_error *error) {
     td_buffer_number(&m->record, m->messages, 8);
     td_buffer_number(&m->record, (uint64_t)m->channel_count, 2); /* schemas */
     td_buffer_number(&m->record, (uint64_t)m->channel_count, 4);
-    td_buffer_number(&m->record, 0, 8); /* attachments, metadata */
+    td_buffer_number(&m->record, 0, 8); /* numbers of attachments and metadata */
     td_buffer_number(&m->record, m->chunks, 4);
     td_buffer_number(&m->record, (uint64_t)m->first, 8);
     td_buffer_number(&m->record, (uint64_t)m->last, 8);
@@ -237,7 +237,8 @@ static tides_status put_channels(td_mcap *m, tides_error *error) {
     return status;
 }
 
-/* Schemas and channels stand here once more: the first time is before their messages, for readers from front to back. */
+/* Repeats schemas and channels at the end, for readers that begin with the index. Readers from front to back find them before
+ * the messages. */
 static tides_status put_end(td_mcap *m, tides_error *error) {
     tides_status status = end_chunk(m, error);
     if (status == TIDES_OK) td_buffer_number(&m->record, 0, 4);

@@ -1,17 +1,17 @@
-/* Rectified views: pinholes in the cameras' places. Two that are a pair look the same way, and what is between them is along
- * their x: a point is in one row of both, fx baseline / z apart. Their direction is the one across the baseline that is nearest
- * to the mean of both optical axes, so that cameras that stand right already aren't turned. */
+/* Rectified views: pinholes at the cameras' places. The two views of a pair look in the same direction, with the baseline
+ * along their x axis. So a point is in one row of both, at a disparity of fx baseline / z. Of all directions across the
+ * baseline, theirs is nearest to the mean of both optical axes, so cameras that are aligned already aren't turned. */
 #include "camera/td_rotation.h"
 #include "td_dataset.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Least component of a camera's own x and z axes along the view's: cos 60 degrees. Beyond that little of the camera's image is
- * left in the view. */
+/* Least component of a camera's x and z axes along the view's: cos 60 degrees. With a larger turn, little of the camera's
+ * image is left in the view. */
 static const double alike = 0.5;
 
-/* By how much [1, px, m] a pair may be off for its images to be rectified ones as they are: rounding of numbers in a file. */
+/* Allowed deviation [1, px, m] of a pair that counts as rectified already: rounding of numbers in a file. */
 static const double rounding = 1e-9;
 
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -28,7 +28,7 @@ static void column(const double *matrix, int stride, int k, double out[3]) {
     for (int i = 0; i < 3; i++) out[i] = matrix[stride * i + k];
 }
 
-/* Whether the second stands to the right of the first, along x, and both look the same way. */
+/* 1 if the second camera is to the right of the first, along x, and both look in the same direction. */
 static int is_aligned(const td_dataset *set, const td_member *left, const td_member *right) {
     double t[16];
     td_between(set, left, right, t);
@@ -37,7 +37,8 @@ static int is_aligned(const td_dataset *set, const td_member *left, const td_mem
     return t[3] < 0 && away < rounding;
 }
 
-/* The view's axes on the body, as rows: x along the baseline, z nearest to where the cameras look. NaN where that is x. */
+/* The view's axes on the body, as rows: x along the baseline, z as near as possible to the optical axes. NaN if those are
+ * along x. */
 static void axes_of(const td_member *left, const td_member *right, double axes[9]) {
     double *x = axes, *y = axes + 3, *z = axes + 6, one[3], two[3];
     for (int i = 0; i < 3; i++) x[i] = right->T_B_C[4 * i + 3] - left->T_B_C[4 * i + 3];
@@ -53,7 +54,7 @@ static void axes_of(const td_member *left, const td_member *right, double axes[9
     td_cross3(z, x, y);
 }
 
-/* Rotation of a camera on the body to the view, a true one however T_B_C is rounded; 0 where it would be turned too far. */
+/* Rotation from a camera to the view, orthonormal even if T_B_C is rounded; 0 if it would turn too far. */
 static int turn(const double axes[9], const td_member *camera, double rotation[9]) {
     double own[3];
     for (int i = 0; i < 9; i++) {
@@ -65,7 +66,7 @@ static int turn(const double axes[9], const td_member *camera, double rotation[9
     return 1;
 }
 
-/* Both views' numbers: means of the cameras', with centres where on average the optical axes are where they were. */
+/* The intrinsics of both views: means of the cameras', with centres that keep the optical axes in place on average. */
 static tides_intrinsics mean_of(const td_view *left, const td_view *right) {
     const tides_intrinsics *a = &left->intrinsics, *b = &right->intrinsics;
     const double *r = left->rotation, *s = right->rotation;
@@ -96,14 +97,14 @@ static tides_status rectify_pair(const td_dataset *set, td_member *left, td_memb
 
 /* -- all of them ----------------------------------------------------------------------------------------------------------- */
 
-/* Begins the view of a camera alone: its lens straightened. */
+/* Begins the view of a camera, without its lens. */
 static void begin_view(const td_member *camera, td_view *view) {
     *view = (td_view){.intrinsics = camera->facts.intrinsics, .path = camera->facts.camera};
     memset(&view->intrinsics.lens, 0, sizeof view->intrinsics.lens); /* TIDES_LENS_NONE */
     memcpy(view->rotation, identity, sizeof identity);
 }
 
-/* Its path: mounted on the camera, whose axes are the rotation's columns in the view. */
+/* Ends a view: its path is mounted on the camera, whose axes are the rotation's columns in the view. */
 static tides_status end_view(const td_dataset *set, const td_member *camera, td_view *view, tides_error *error) {
     static const double here[3] = {0, 0, 0};
     const tides_intrinsics *a = &camera->facts.intrinsics, *b = &view->intrinsics;

@@ -1,4 +1,4 @@
-/* ROS 2 messages. In CDR a number of n bytes begins at a multiple of n, counted from behind the 4 bytes of the header. */
+/* ROS 2 messages in CDR. A number of n bytes is aligned to n, counted from behind the 4-byte header. */
 #include "td_ros.h"
 
 #include <string.h>
@@ -9,7 +9,7 @@
     DEFINES("std_msgs/Header") \
     "builtin_interfaces/Time stamp\nstring frame_id\n" DEFINES("builtin_interfaces/Time") "int32 sec\nuint32 nanosec\n"
 
-/* The definitions of ROS's own packages and of event_camera_msgs, without their comments. */
+/* Message definitions of ROS's own packages and of event_camera_msgs, without comments. */
 static const struct message {
     const char *type, *schema;
 } messages[TD_ROS_KINDS] = {
@@ -87,12 +87,13 @@ static void begin(td_buffer *b, int64_t ns, const char *frame) {
 
 /* -- messages -------------------------------------------------------------------------------------------------------------- */
 
-/* EVT 3.0's words: 12 bits each, below 4 that say of what. Time is 24 bits of microseconds, y and time stay until another. */
+/* Words of EVT 3.0: 12 bits of data below 4 bits of type. Time is 24 bits of microseconds. y and time hold until they are set
+ * again. */
 enum { WORD_Y = 0x0, WORD_X = 0x2, WORD_LOW = 0x6, WORD_HIGH = 0x8 };
 
 static void put_word(td_buffer *b, unsigned kind, uint64_t value) { td_buffer_number(b, kind << 12 | (value & 0xfff), 2); }
 
-/* High part, low part and y at the packet's start, so that a packet needs none before it. */
+/* Writes events. High and low time and y come first, so that a packet can be decoded without earlier ones. */
 static void put_events(td_buffer *b, const tides_event *events, size_t count) {
     int64_t time = -1;
     int32_t y = -1;
@@ -108,7 +109,7 @@ static void put_events(td_buffer *b, const tides_event *events, size_t count) {
     }
 }
 
-/* The decoder finds the sensor's time in the stream; time_base is of no use to evt3, and 0. */
+/* Writes a packet of events. The decoder finds the time in the stream; time_base isn't used by evt3, and is 0. */
 void td_ros_events(td_buffer *b, const td_member *camera, uint64_t seq, const tides_event *events, size_t count) {
     begin(b, count ? events[0].t : 0, camera->name);
     put(b, (uint64_t)camera->facts.intrinsics.height, 4);
@@ -117,7 +118,7 @@ void td_ros_events(td_buffer *b, const td_member *camera, uint64_t seq, const ti
     put(b, 0, 8);
     put_text(b, "evt3");
     put(b, 0, 1);
-    put(b, 0, 4); /* bytes, known below */
+    put(b, 0, 4); /* number of bytes, set below */
     const size_t place = b->size - 4;
     put_events(b, events, count);
     if (b->failed) return;
@@ -153,7 +154,7 @@ void td_ros_info(td_buffer *b, const td_member *camera, int64_t ns) {
     put_doubles(b, matrix, 9);
     put_doubles(b, same, 9);
     put_doubles(b, projection, 12);
-    for (int i = 0; i < 6; i++) put(b, 0, 4); /* no binning, all of the image */
+    for (int i = 0; i < 6; i++) put(b, 0, 4); /* no binning, and the whole image */
     put(b, 0, 1);
 }
 
@@ -164,7 +165,7 @@ void td_ros_pose(td_buffer *b, int64_t ns, const double position[3], const doubl
     put_double(b, q[0]);
 }
 
-/* No orientation, which a covariance that begins with -1 says; covariances of 0 are unknown ones. */
+/* Writes an IMU reading. A covariance beginning with -1 means no orientation; covariances of 0 are unknown ones. */
 void td_ros_imu(td_buffer *b, const td_member *camera, int64_t ns, const tides_imu_sample *sample) {
     const double still[4] = {0, 0, 0, 1}, none[9] = {-1}, unknown[9] = {0};
     begin(b, ns, camera->name);

@@ -1,24 +1,24 @@
-/* Images of a camera at the dataset's times: pictures, and ground truth with the displacements to the times beside it. Where
- * the camera has a lens or is turned, the rectified view is another one, which is rendered too where a layout has it. */
+/* Renders a camera at the dataset's times: pictures, and ground truth with the displacements to the neighbouring times. If a
+ * layout needs a rectified view that differs from the camera's own, that is rendered, too. */
 #include "td_dataset.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Planes of a camera, in one block of memory. */
+/* Planes of an image, in one block of memory. */
 enum { R, G, B, Y, FLOW_U, FLOW_V, DEPTH, INSTANCE, NEXT_U, NEXT_V, NEXT_SEEN, BEFORE_U, BEFORE_V, PLANES };
 
 typedef struct scenes {
     const td_scenes *to;
     const td_dataset *set;
     const td_member *camera;
-    const td_view *view; /* to those layouts that have it */
+    const td_view *view; /* given to the layouts that use this view */
     tides_renderer *renderer;
-    td_share share; /* of the picture or truth in hand, which the renderer tells */
+    td_share share; /* progress of the current picture or ground truth */
     size_t pixels;
     double *values;
     uint8_t *grey, *rgb;
-    uint16_t *numbers; /* of an exposure */
+    uint16_t *numbers; /* of an exposed picture */
     tides_error *error;
 } scenes;
 
@@ -43,14 +43,14 @@ static void close_scenes(scenes *s) {
     free(s->values);
 }
 
-/* Whether a layout's pictures or ground truth are of this view. */
+/* 1 if a layout's pictures (or ground truth) are of this view. */
 static int shows(const scenes *s, const td_writer *w, int kind) {
     return (w->layout->rectified && s->camera->rectified[kind].differs) == s->view->differs;
 }
 
 /* -- pictures -------------------------------------------------------------------------------------------------------------- */
 
-/* Renders an instant. */
+/* Renders a picture of an instant. */
 static tides_status render(scenes *s, int64_t us) {
     tides_frame frame = {{NULL}};
     frame.plane[TIDES_R] = plane(s, R), frame.plane[TIDES_G] = plane(s, G), frame.plane[TIDES_B] = plane(s, B);
@@ -114,13 +114,13 @@ static tides_status truth(scenes *s, size_t index) {
     return status;
 }
 
-/* A view, and how many pictures and ground truths of it are to be rendered. */
+/* A view, and the numbers of its pictures and ground truths to render. */
 typedef struct pass {
     const td_view *view;
     size_t pictures, truths;
 } pass;
 
-/* `done` of `all` have been given before. */
+/* Renders a pass; `done` of `all` images were given before. */
 static tides_status give(scenes *s, const pass *p, size_t done, size_t all) {
     tides_status status = tides_renderer_set_progress(s->renderer, td_share_step, &s->share, s->error);
     for (size_t i = 0; i < p->pictures + p->truths && status == TIDES_OK; i++) {
@@ -132,8 +132,8 @@ static tides_status give(scenes *s, const pass *p, size_t done, size_t all) {
     return status;
 }
 
-/* The camera's own view is always rendered: the picture of the dataset has it. A rectified one is where it differs; of ground
- * truth only the left event camera's. */
+/* Renders all of a camera. Its own view is always needed, for the overview picture; a rectified one only where it differs.
+ * Rectified ground truth is only that of the left event camera. */
 tides_status td_scenes_give(const td_scenes *to, const td_dataset *set, const td_member *camera, tides_error *error) {
     const td_view raw = {.intrinsics = camera->facts.intrinsics, .path = camera->facts.camera}, *const flat = camera->rectified;
     const pass passes[] = {{&raw, camera->picture >= 0 ? set->pictures : 0, set->truths},

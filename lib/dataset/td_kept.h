@@ -1,5 +1,5 @@
-/* Internal: the events of a dataset's cameras, kept in FOLDER.part/.events while the dataset is being made: what took longest
- * is there again when a dataset that was stopped, or that died, is asked for once more. Pictures and truth are made anew. */
+/* Internal: keeps the events of a dataset's cameras in FOLDER.part/.events while the dataset is being made. Events take
+ * longest, so if the dataset was stopped or killed, a second try reuses them. Pictures and truth are made again. */
 #ifndef TD_KEPT_H
 #define TD_KEPT_H
 
@@ -12,19 +12,19 @@ typedef struct td_kept {
     tides_fingerprints *prints;
 } td_kept;
 
-/* Makes `part`, or takes over one that a dataset left, of which all but its events goes. TIDES_WRITE_FAILED: it belongs to
- * another user, or another process is writing it. */
+/* Makes `part`, or takes over one that was left behind and empties it, except for its events. TIDES_WRITE_FAILED: it belongs
+ * to another user, or another process is writing it. */
 TIDES_MUST_CHECK tides_status td_kept_open(td_kept *kept, const char *part, tides_error *error);
 
-/* All events of a camera to the sink, from the file that is there of the same run, or simulated into one first, from where its
- * checkpoint is. `*unseeing` gets 1 where it had nothing in view. TIDES_CANCELLED by the sink, too. */
+/* Gives all events of a camera to the sink: from an existing file of the same run, or simulated into one first (continuing at
+ * its checkpoint). `*unseeing` is 1 if the camera had nothing in view. Also TIDES_CANCELLED by the sink. */
 TIDES_MUST_CHECK tides_status td_kept_events(td_kept *kept, const td_member *camera, tides_progress progress, void *user,
                                              tides_event_sink sink, void *sink_user, int32_t *unseeing, tides_error *error);
 
-/* 1 where there are events, or a checkpoint to go on from. */
+/* 1 if there are events, or a checkpoint to continue from. */
 int td_kept_any(const td_kept *kept);
 
-/* The events have been given: they go, or, where `stays`, wait for another try. */
+/* Closes the folder; the events are removed unless `stays`. */
 void td_kept_close(td_kept *kept, int stays);
 
 #endif

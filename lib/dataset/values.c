@@ -1,4 +1,4 @@
-/* Numbers that layouts share: their conventions of pixels, frames and depths, made of ours. */
+/* Conversions for layouts, from TIDES's conventions of pixels, frames and depths to theirs. */
 #include "camera/td_rotation.h"
 #include "image/td_png.h"
 #include "signal/td_step.h"
@@ -58,7 +58,7 @@ tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t mo
     return TIDES_OK;
 }
 
-/* R_1^T R_0 and R_1^T (t_0 - t_1): both cameras are given on the body. */
+/* Computes R_1^T R_0 and R_1^T (t_0 - t_1) from both cameras' poses on the body. */
 void td_between(const td_dataset *set, const td_member *zero, const td_member *one, double transform[16]) {
     const double *a = zero->T_B_C, *b = one->T_B_C;
     memset(transform, 0, 16 * sizeof *transform);

@@ -1,10 +1,10 @@
-/* Advice on what to install where there is no device, with this system's names of packages. */
+/* Advice on which package to install if there is no OpenCL device, for this operating system. */
 #include "td_advice.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Where packages have a CPU device: PoCL by the distribution's name for it. Others derive from these and say so (ID_LIKE). */
+/* Systems with a CPU driver in their packages (PoCL, by its package name). Derived systems name these in ID_LIKE. */
 static const struct {
     const char *id, *command;
 } SYSTEMS[] = {
@@ -16,7 +16,7 @@ static const struct {
     {"gentoo", "emerge dev-libs/pocl"},
 };
 
-/* 1 where the value of a line NAME=value, with quotes or without, has the word `id`. */
+/* 1 if the value of a line NAME=value, quoted or not, has the word `id`. */
 static int has_word(const char *value, const char *id) {
     static const char *const apart = " \"'\n";
     for (size_t length; *value; value += length) {

@@ -1,4 +1,4 @@
-/* Finding, opening and describing devices by one SPEC string. Programs are built in program.c, and launched in launch.c. */
+/* Finds, opens and describes devices by a SPEC string (the user's name for a device). */
 #include "td_advice.h"
 #include "td_drivers.h"
 #include "td_device.h"
@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Far more than machines have; further devices aren't listed. */
+/* More than machines have; further devices aren't listed. */
 enum { MAX_PLATFORMS = 16, MAX_DEVICES = 64 };
 
-/* Everything that could be opened, in index order. */
+/* All devices that can be opened, in the order of their indices. */
 typedef struct device_list {
     tides_device_info info[MAX_DEVICES];
     cl_platform_id platform[MAX_DEVICES];
@@ -31,23 +31,24 @@ static int32_t kind_of(cl_device_id id) {
 static int is_rusticl(const tides_device_info *info) { return strcmp(info->platform, "rusticl") == 0; }
 static int is_pocl(const tides_device_info *info) { return strcmp(info->platform, "Portable Computing Language") == 0; }
 
-/* Pixels per work-item: a 4x4 block on a CPU, where a vector of sixteen hides latency even in two halves; one on a GPU, and
- * where a driver makes vectors of work-items itself, as rusticl does on llvmpipe. On NEON it is four of 32 registers, so that
- * eight such vectors fit as with AVX2: not measured on a machine. */
+/* Pixels per work-item. On a CPU it is a 4x4 block: a vector of sixteen hides latency, even as two halves. On a GPU it is
+ * one, and also where a driver vectorises work-items itself, as rusticl does on llvmpipe. On NEON a block takes four of 32
+ * registers, so that eight such vectors fit, as with AVX2; this wasn't measured. */
 static int32_t lanes_of(const tides_device_info *info) { return info->kind == TIDES_DEVICE_CPU && !is_rusticl(info) ? 16 : 1; }
 
-/* Lanes in double precision: the width of a register, eight with AVX-512, else four. A vector of eight, where registers hold
- * four, takes two of the sixteen registers. Points (kernels/points.h) then take 1.4 times as long: a third of that moves
- * vectors to memory and back. */
+/* Lanes in double precision: the width of a register, eight with AVX-512, else four. With eight lanes on registers of four,
+ * each vector takes two of sixteen registers, and points take 1.4 times as long: a third of that moves vectors to memory and
+ * back. */
 static int double_lanes_of(cl_device_id id) {
     cl_uint width = 0;
     clGetDeviceInfo(id, CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE, sizeof width, &width, NULL);
     return width >= 8 ? 8 : 4;
 }
 
-/* Mesa puts a software fma() of some hundred instructions into the kernel for each call: on llvmpipe (Mesa 22.3) kernels
- * compiled for over three minutes without end, in 1.3 GB, and for twenty in 7 GB with sixteen lanes; unfused all of a run's
- * take 20 to 40 s and 0.4 GB, with events within 32 ns of the reference's. Others' software fma() is a call (PoCL's). */
+/* 1 if kernels may use fma(). Mesa inlines a software fma() of some hundred instructions at each call. On llvmpipe (Mesa
+ * 22.3) kernels compiled for over three minutes without end, in 1.3 GB; with sixteen lanes for twenty minutes, in 7 GB.
+ * Without fma() all kernels of a run take 20 to 40 s and 0.4 GB, and events are within 32 ns of the reference's. Other
+ * drivers' software fma() is a function call. */
 static int32_t is_fused(cl_device_id id, const tides_device_info *info) {
     cl_device_fp_config single = 0;
     clGetDeviceInfo(id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, NULL);
@@ -70,11 +71,12 @@ static void describe(cl_platform_id platform, cl_device_id id, int32_t index, ti
     snprintf(info->driver, sizeof info->driver, "%.63s, driver %.54s", version, driver);
     clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
     clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory, NULL);
-    info->compute_units = units > 0 ? (int32_t)units : 1; /* one that can't be asked has one at least */
+    info->compute_units = units > 0 ? (int32_t)units : 1; /* unknown, but at least one */
     info->memory_bytes = memory;
 }
 
-/* No platform at all is an empty list, not an error: the ICD loader reports it by a code of its own (-1001). */
+/* Lists all platforms' devices. Without any platform, the list is empty: the ICD loader reports that by a code of its own
+ * (-1001). */
 static void ask_all(device_list *list) {
     cl_platform_id platforms[MAX_PLATFORMS];
     cl_uint platform_count = 0;
@@ -94,8 +96,8 @@ static void ask_all(device_list *list) {
     }
 }
 
-/* One thread at a time. The first call of a process makes the loader load the drivers, and neither ocl-icd 2.3 nor PoCL 3.1 is
- * ready for two first calls at once: in 3 of 10 tries a thread found no device, or the driver ended the process. */
+/* Lists the devices; one thread at a time. The first call makes the loader load the drivers, and ocl-icd 2.3 and PoCL 3.1
+ * don't support two first calls at once: in 3 of 10 tries a thread found no device, or the driver ended the process. */
 static tides_status enumerate(device_list *list, tides_error *error) {
     tides_status status = td_check_forked(error);
     if (status != TIDES_OK) return status;
@@ -117,7 +119,7 @@ tides_status tides_device_list(tides_device_info *rows, int32_t capacity, int32_
     return status;
 }
 
-/* Case-blind search of `part` in `text`. */
+/* 1 if `text` contains `part`, in any case. */
 static int contains(const char *text, const char *part) {
     size_t length = strlen(part);
     for (; *text; text++) {
@@ -134,7 +136,7 @@ static int32_t first_of_kind(const device_list *list, int32_t kind) {
     return -1;
 }
 
-/* Which entry of the list `spec` means; -1 for none. */
+/* The entry of the list that `spec` names; -1 for none. */
 static int32_t match(const device_list *list, const char *spec) {
     if (strcmp(spec, "cpu") == 0) return first_of_kind(list, TIDES_DEVICE_CPU);
     if (strcmp(spec, "gpu") == 0) return first_of_kind(list, TIDES_DEVICE_GPU);
@@ -150,12 +152,12 @@ static int32_t match(const device_list *list, const char *spec) {
     return -1;
 }
 
-/* The error for a SPEC without a match: says what exists, or how to get something. */
+/* The error for a SPEC without a match: lists the devices, or says how to get one. */
 static tides_status fail_no_match(const device_list *list, const char *spec, tides_error *error) {
     char suggestion[TD_SUGGESTION_MAX];
     td_suggest(spec, "auto cpu gpu reference reference-f32", " ", suggestion);
     const int is_kind = strcmp(spec, "auto") == 0 || strcmp(spec, "cpu") == 0 || strcmp(spec, "gpu") == 0;
-    if (is_kind) suggestion[0] = '\0'; /* there's none of the kind, but nothing is misspelt */
+    if (is_kind) suggestion[0] = '\0'; /* the spec is spelt right, but no such device exists */
     char trouble[TD_TROUBLE_MAX];
     if (list->count == 0 && td_driver_trouble(trouble)[0])
         return td_fail(error, TIDES_NO_DEVICE, "device '%s': no OpenCL device was found: %s; or use --device reference%s", spec,
@@ -236,7 +238,7 @@ tides_status tides_device_set_threads(tides_device *device, int32_t threads, tid
 
 int32_t tides_device_threads(const tides_device *device) { return device->threads; }
 
-/* Takes the number of threads from the environment. */
+/* Sets the number of threads from the environment. */
 static tides_status take_threads(tides_device *device, tides_error *error) {
     const char *asked = getenv("TIDES_THREADS");
     char *end = NULL;

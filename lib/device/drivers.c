@@ -1,5 +1,5 @@
-/* Tells drivers that are installed and can't start from none: tries what the loader does, and what PoCL does as it starts. The
- * loader itself says no more than that there is no platform. */
+/* Explains why no OpenCL device is found although drivers are installed. The loader only says that there is no platform, so
+ * this repeats the loader's steps, and those of PoCL's start. */
 #include "td_drivers.h"
 
 #include "td_folder.h"
@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Where loaders look where no variable says so (ocl-icd, Khronos). */
+/* Folder of the loaders' entries, unless a variable names another one (ocl-icd, Khronos). */
 static const char vendors[] = "/etc/OpenCL/vendors";
 
 /* Findings about the drivers. */
@@ -22,7 +22,7 @@ typedef struct drivers {
 
 /* ---- PoCL's cache ---- */
 
-/* As PoCL 1 to 6 names it; NULL: out of memory. */
+/* PoCL's cache folder (versions 1 to 6); NULL: out of memory. */
 static char *cache_folder(void) {
     const char *own = getenv("POCL_CACHE_DIR"), *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
     if (own && own[0]) return td_strdup(own, NULL);
@@ -30,7 +30,7 @@ static char *cache_folder(void) {
     return home && home[0] ? td_format(NULL, "%s/.cache/pocl/kcache", home) : td_strdup("/tmp/pocl/kcache", NULL);
 }
 
-/* 0, or why no file can be made in the folder. */
+/* Tests whether a file can be made in the folder; returns 0 or errno. */
 static int try_folder(const char *folder) {
     char *name = td_format(NULL, "%s/tides-XXXXXX", folder);
     const int file = name ? mkstemp(name) : -1, failed = name ? errno : ENOMEM;
@@ -42,7 +42,7 @@ static int try_folder(const char *folder) {
     return file >= 0 ? 0 : failed;
 }
 
-/* try_folder for a folder that needn't exist: tries the nearest folder above it that does. */
+/* Tests a folder that may not exist yet: tests the nearest existing folder above it. */
 static int try_below(const char *folder) {
     struct stat there;
     char *above = td_plain_path(folder, NULL);
@@ -70,7 +70,7 @@ const char *td_cache_trouble(char text[TD_TROUBLE_MAX]) {
 
 /* ---- libraries ---- */
 
-/* Explains dlerror's text, `said`, and adds the remedy. */
+/* Explains dlerror's text `said`, and adds the remedy. */
 static void explain(drivers *d, const char *entry, const char *library, const char *said) {
     const char *path = getenv("LD_LIBRARY_PATH");
     const int older = strstr(said, "version `") != NULL, shadowed = older && path && path[0];
@@ -82,7 +82,7 @@ static void explain(drivers *d, const char *entry, const char *library, const ch
     snprintf(d->text, TD_TROUBLE_MAX, "the driver of %.150s can't be loaded (%.300s): %s", entry, said, remedy);
 }
 
-/* The first that can't be loaded is reported. */
+/* Tries to load a library; only the first failure is reported. */
 static void try_library(drivers *d, const char *entry, const char *library) {
     void *loaded = dlopen(library, RTLD_LAZY | RTLD_LOCAL);
     d->count++;
@@ -93,7 +93,7 @@ static void try_library(drivers *d, const char *entry, const char *library) {
         explain(d, entry, library, dlerror());
 }
 
-/* An .icd holds a library's name, or path, in its first line. */
+/* Tries an .icd file, whose first line is a library's name or path. */
 static void try_entry(drivers *d, const char *entry) {
     char line[512] = "";
     FILE *file = fopen(entry, "r");
@@ -109,7 +109,8 @@ static void try_entries(drivers *d, const char *folder) {
     td_folder_free(&entries);
 }
 
-/* OCL_ICD_FILENAMES has libraries with colons between; the others a folder, or (ocl-icd) an entry or a library. */
+/* Tries all drivers. OCL_ICD_FILENAMES lists libraries, separated by colons; the other variables name a folder, or (ocl-icd)
+ * an entry or a library. */
 static void try_all(drivers *d) {
     const char *names = getenv("OCL_ICD_FILENAMES"), *folder = getenv("OCL_ICD_VENDORS"), *other = getenv("OPENCL_VENDOR_PATH");
     for (size_t length; names && *names; names += length + (names[length] == ':')) {

@@ -1,8 +1,7 @@
-/* Processes that fork after they used OpenCL: PyTorch's DataLoader with workers, multiprocessing's default on Linux. Without
- * this the child hung in its first clFinish, for ever (PoCL 3.1).
+/* Detects processes that fork after they used OpenCL: PyTorch's DataLoader with workers, multiprocessing's default on Linux.
+ * Without this check, the child hangs for ever in its first clFinish (PoCL 3.1).
  *
- * The state kept here belongs to the process, and there is one process: hence the library's only variables that aren't an
- * object's. */
+ * This state belongs to the process, so it is in variables outside any object; the library has no others. */
 #include "td_forked.h"
 
 #include <pthread.h>

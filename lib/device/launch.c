@@ -1,5 +1,4 @@
-/* Buffers and launches on an OpenCL device, with their time, for the renderer's OpenCL backend: the only calls of OpenCL
- * that move data. */
+/* Buffers, transfers and kernel launches on an OpenCL device, with their times, for the renderer's OpenCL backend. */
 #include "td_launch.h"
 
 #include "td_forked.h"
@@ -28,7 +27,7 @@ void td_buffer_release(td_buffer *buffer) {
     *buffer = (td_buffer){NULL, 0, NULL};
 }
 
-/* Copies from or to memory that is shared, when nothing is under way there. */
+/* Copies from or to shared memory, after all commands have finished. */
 static tides_status move_near(tides_device *device, void *to, const void *from, size_t bytes, tides_error *error) {
     tides_status status = td_finish(device, TIDES_OK, error);
     if (status == TIDES_OK) memcpy(to, from, bytes);
@@ -44,7 +43,7 @@ tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t byte
     if (status != TIDES_OK) goto done;
     if (buffer->bytes && !grown.near)
         TD_CL(clEnqueueCopyBuffer(device->queue, buffer->memory, grown.memory, 0, 0, buffer->bytes, 0, NULL, NULL));
-    td_buffer_release(buffer); /* once the copy is done */
+    td_buffer_release(buffer); /* after the copy has finished */
     *buffer = grown;
     return status;
 done:
@@ -162,8 +161,8 @@ double td_event_seconds(cl_event *event) {
     return ended > begun ? 1e-9 * (double)(ended - begun) : 0;
 }
 
-/* A call that failed hasn't waited, and commands under way would go on reading and writing memory that is freed next: seen as a
- * crash, now and then. So it is called again; a queue that fails twice has lost its device, and its commands. */
+/* Waits until the queue is empty. A call of clFinish that failed hasn't waited, and running commands would use memory that is
+ * freed next (seen as rare crashes). So it is called a second time. If that fails too, the device and its commands are lost. */
 tides_status td_finish(tides_device *device, tides_status status, tides_error *error) {
     if (td_is_forked()) return status == TIDES_OK ? td_check_forked(error) : status;
     cl_int finished = clFinish(device->queue);

@@ -1,20 +1,21 @@
-/* Memory that the host and a device share. A command that moves data costs PoCL 20 us of processor time where the host waits
- * for it, 5 where it doesn't, whatever its size: a thread is woken, and wakes the host. A run of 6 ms (playbot, solved, blocks,
- * paths) had 455 such waits, a fifth of its time. Shared memory is written and read in place, once the queue has finished. */
+/* Memory shared by host and device. With PoCL, a command that moves data costs 20 us of processor time if the host waits for
+ * it, and 5 us if not, for any size, because threads wake each other. A run of 6 ms (playbot) had 455 such waits, a fifth of
+ * its time. Shared memory is accessed in place, after the queue has finished. */
 #undef CL_TARGET_OPENCL_VERSION
-#define CL_TARGET_OPENCL_VERSION 200 /* shared virtual memory: the only thing beyond 1.2, and only for devices that have it */
+/* for shared virtual memory, the only feature beyond 1.2; used only on devices that have it */
+#define CL_TARGET_OPENCL_VERSION 200
 #include "td_near.h"
 
 #include <stdlib.h>
 
 int td_near_is_had(cl_device_id id, int32_t kind) {
-    cl_device_svm_capabilities has = 0; /* a device of 1.2 knows no such question */
+    cl_device_svm_capabilities has = 0; /* a device of version 1.2 doesn't know this query */
     if (kind != TIDES_DEVICE_CPU) return 0;
     return clGetDeviceInfo(id, CL_DEVICE_SVM_CAPABILITIES, sizeof has, &has, NULL) == CL_SUCCESS &&
            (has & CL_DEVICE_SVM_FINE_GRAIN_BUFFER) != 0;
 }
 
-/* Objects that are freed with a buffer. */
+/* Objects that are freed together with a buffer. */
 typedef struct shared {
     cl_context context;
     void *memory;

@@ -1,14 +1,14 @@
-/* Building kernels: prelude and source to a cl_program, once per device, files and set of defines. PoCL and vendors' drivers
- * cache binaries on disk themselves, so this keeps only a table in memory.
+/* Builds kernels: prelude and source become a cl_program, once per device, set of files and set of defines. PoCL and vendors'
+ * drivers cache binaries on disk, so this keeps only a table in memory.
  *
- * Tried and refused: a cache of binaries of our own. From one PoCL 3.1 makes a program in 1 to 4 ms instead of the 25 to 40 for
- * which clang reads 900 KB of headers to find the key of its own cache. But to hand a binary over it compiles kernels again,
- * for work-groups of any size: 0.3 to 1.7 s each, as long as the build itself. Fewer programs are cheaper.
- * -cl-opt-disable, which would leave optimising to the launch: kernels 13 to 18 times slower; or, where always_inline keeps
- * them from being left alone, the same bits, but programs took 2.9 instead of 4.2 s and first launches 5.8 instead of 3.5.
+ * Two ideas were tried and refused. A cache of our own binaries: with it PoCL 3.1 makes a program in 1 to 4 ms, instead of 25
+ * to 40 (in which clang reads 900 KB of headers to find the key of its cache). But to return a binary it compiles kernels
+ * again, for any size of work-groups, 0.3 to 1.7 s each, as long as the build. And -cl-opt-disable, which leaves optimising
+ * to the launch: kernels were 13 to 18 times slower. With always_inline bits were equal and programs took 2.9 instead of 4.2
+ * s, but first launches took 5.8 instead of 3.5.
  *
- * The remedy in use: those 900 KB declare OpenCL's functions, of which kernels call two dozen. Where clang is told that its
- * header was read already, by the guard of that, and the program declares what it calls, 10 to 25 ms are left. */
+ * The solution in use: the 900 KB declare OpenCL's functions, of which kernels call two dozen. The program declares these
+ * itself, and defines the header's include guard, so that clang skips the header. Then 10 to 25 ms are left. */
 #include "td_device.h"
 #include "td_drivers.h"
 #include "td_forked.h"
@@ -42,18 +42,18 @@ const char *td_cl_name(cl_int code) {
 /* clang-format on */
 
 tides_status td_cl_fail(tides_error *error, cl_int code, const char *call) {
-    int length = (int)strcspn(call, "("); /* the call's name is enough */
+    int length = (int)strcspn(call, "("); /* only the name of the call */
     return td_fail(error, TIDES_DEVICE_FAILED, "OpenCL: %.*s failed with %s (%d)", length, call, td_cl_name(code), (int)code);
 }
 
-/* The compiler's first lines: enough to say where it is. */
+/* Fails with the first lines of the compiler's log. */
 static tides_status fail_build(const tides_device *device, cl_program program, const char *file, tides_error *error) {
     char *log = NULL;
     size_t bytes = 0;
     clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, 0, NULL, &bytes);
     log = td_alloc(bytes + 1, 1, NULL);
     if (log) clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
-    for (char *c = log; c && *c; c++) /* one line */
+    for (char *c = log; c && *c; c++) /* makes it one line */
         if (*c == '\n' || *c == '\r') *c = ' ';
     char trouble[TD_TROUBLE_MAX] = "";
     if (strcmp(device->info.platform, "Portable Computing Language") == 0) td_cache_trouble(trouble);
@@ -66,7 +66,7 @@ static tides_status fail_build(const tides_device *device, cl_program program, c
     return status;
 }
 
-/* The dialect of a program: its precision and its number of lanes. */
+/* A program's precision and number of lanes. */
 typedef struct dialect {
     int is_double, lanes;
 } dialect;
@@ -75,10 +75,10 @@ int td_double_lanes(const tides_device *device) {
     return device->info.lanes > device->double_lanes ? device->double_lanes : (int)device->info.lanes;
 }
 
-/* The prelude owns the pragma: it only governs text after it, so it must be the first line of all. Vectors wider than the
- * device's registers never cross a program's border here: clang's note about their calling convention is noise. Intel's CPU
- * driver would make vectors of sixteen work-items of our vectors of sixteen pixels: no faster a run, and three to five times
- * the time to compile it (the demo: 13 s instead of 2.6 to 3.7), so intel_vec_len_hint(1) tells it not to. */
+/* The first lines of each program. The pragma only affects text behind it, so it comes first. Vectors wider than the device's
+ * registers never cross a program's border here, so clang's note about their calling convention is suppressed.
+ * intel_vec_len_hint(1) keeps Intel's CPU driver from making vectors of work-items: runs weren't faster, and compiling took
+ * three to five times as long (demo: 13 s instead of 2.6 to 3.7). */
 static char *make_prelude(const tides_device *device, const dialect *of, const char *defines, tides_error *error) {
     return td_format(error,
                      "#pragma OPENCL FP_CONTRACT OFF\n%s"
@@ -89,7 +89,7 @@ static char *make_prelude(const tides_device *device, const dialect *of, const c
                      device->info.fused ? "" : "#define TD_UNFUSED 1\n", of->lanes, defines);
 }
 
-/* The text of each of `files`, and of what they include, once. */
+/* Appends the text of each of `files` and of their includes, each once. */
 static tides_status gather_all(td_source_text *text, const char *files, tides_error *error) {
     tides_status status = TIDES_OK;
     while (*files && status == TIDES_OK) {
@@ -102,10 +102,10 @@ static tides_status gather_all(td_source_text *text, const char *files, tides_er
     return status;
 }
 
-/* The guard of the header in which clang declares OpenCL: it is empty then, and kernels/builtins.h stands in its place. */
+/* Defines the include guard of clang's OpenCL header, which is then empty; kernels/builtins.h replaces it. */
 #define OWN_BUILTINS " -D_OPENCL_H_"
 
-/* All of a program: the prelude, the declarations where they are its own, `files`. */
+/* Assembles a program: prelude, declarations if it uses its own, and `files`. */
 static tides_status gather_program(td_source_text *text, const tides_device *device, const dialect *of, const char *files,
                                    const char *defines, tides_error *error) {
     char *prelude = make_prelude(device, of, defines, error);
@@ -152,16 +152,16 @@ static tides_status build_once(const tides_device *device, const dialect *of, co
     return status;
 }
 
-/* Both compilers' lines, `error` holding the later ones, where they differ. */
+/* Combines the logs of two builds, if they differ; `error` has the later one. */
 static tides_status fail_both(const tides_error *before, tides_status status, tides_error *error) {
     if (!error || before->status != TIDES_DEVICE_FAILED || strcmp(before->text, error->text) == 0) return status;
     const tides_error now = *error;
     return td_fail(error, status, "%.550s; and before that, with kernels/builtins.h: %.400s", now.text, before->text);
 }
 
-/* A program that can't be built with its own declarations is built with the driver's, and so are all after it: another PoCL may
- * have a header that these don't fit, and who changes kernels may call what they lack. Slower, and the same bits. Where that
- * fails too the declarations aren't what is wrong. */
+/* Builds a program with its own declarations or, if that fails, with the driver's; later programs then use these, too.
+ * Another PoCL may have an incompatible header, and changed kernels may call functions that aren't declared. That is slower,
+ * with the same bits. If it fails as well, the declarations weren't the cause. */
 static tides_status build(tides_device *device, const dialect *of, const char *files, const char *defines, cl_program *program,
                           tides_error *error) {
     tides_error before = {TIDES_OK, ""};

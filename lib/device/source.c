@@ -1,12 +1,12 @@
-/* Kernel text: from the table embedded in the library or, for development, from $TIDES_KERNEL_DIR; with #include "..." put in
- * (each file once) and #line kept true, so that a compiler's message names file and line. */
+/* The text of kernels, from the table embedded in the library or, for development, from $TIDES_KERNEL_DIR. Each #include
+ * "..." is replaced by the file (once), and #line directives keep file and line correct in the compiler's messages. */
 #include "td_device.h"
 #include "td_kernel_source.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Against files that aren't kernels and includes that go in a circle. */
+/* Limits against files that aren't kernels, and against circular includes. */
 enum { MAX_KERNEL_FILE = 1 << 20, MAX_DEPTH = 16 };
 
 static tides_status add_piece(td_source_text *text, char *piece, tides_error *error) {
@@ -19,7 +19,7 @@ static tides_status add_piece(td_source_text *text, char *piece, tides_error *er
     return status;
 }
 
-/* The whole text of one kernel file, allocated. */
+/* Loads the text of a kernel file, allocated. */
 static tides_status load_file(const char *file, char **text, tides_error *error) {
     const char *directory = getenv("TIDES_KERNEL_DIR");
     if (directory && *directory) {
@@ -48,7 +48,7 @@ static tides_status load_file(const char *file, char **text, tides_error *error)
     return TIDES_OK;
 }
 
-/* Was this file put in already? Its first piece is its #line directive. */
+/* 1 if this file was included already: its first piece is its #line directive. */
 static int has_file(const td_source_text *text, const char *file) {
     char mark[128];
     snprintf(mark, sizeof mark, "#line 1 \"%s\"\n", file);
@@ -57,7 +57,7 @@ static int has_file(const td_source_text *text, const char *file) {
     return 0;
 }
 
-/* The name in a line `#include "name"`, in `name`; 0 for any other line. */
+/* Finds `name` in a line `#include "name"`; 0 for any other line. */
 static int included_name(const char *line, char *name, size_t size) {
     if (strncmp(line, "#include \"", 10) != 0) return 0;
     size_t length = strcspn(line + 10, "\"\n");
@@ -69,7 +69,7 @@ static int included_name(const char *line, char *name, size_t size) {
 
 static tides_status gather(td_source_text *text, const char *file, int depth, tides_error *error);
 
-/* Adds `body` piece by piece, going into includes. */
+/* Adds `body` piece by piece, and follows its includes. */
 static tides_status add_body(td_source_text *text, const char *file, char *body, int depth, tides_error *error) {
     tides_status status = TIDES_OK;
     int line = 1;
@@ -81,7 +81,7 @@ static tides_status add_body(td_source_text *text, const char *file, char *body,
             if (*to) to++;
             line++;
         }
-        if (to > from) { /* an open last line is closed: what follows must begin one */
+        if (to > from) { /* ends the last line, since another line follows */
             const char *end = to[-1] == '\n' ? "" : "\n";
             status = add_piece(text, td_format(error, "%.*s%s", (int)(to - from), from, end), error);
         }

@@ -1,15 +1,16 @@
-/* Internal: why drivers that are installed offer no device, or build nothing. */
+/* Internal: explains why installed drivers offer no device, or can't build kernels. */
 #ifndef TD_DRIVERS_H
 #define TD_DRIVERS_H
 
-/* One sentence, without a full stop, of what is wrong and its remedy; "" where nothing was found. Returns `text`. */
+/* Both functions write a sentence without a full stop, with the problem and its remedy; "" if none was found. They return
+ * `text`. */
 enum { TD_TROUBLE_MAX = 640 };
 
-/* Trouble with the drivers that the loader is to load: a library that is missing or can't be loaded; else that of
- * td_cache_trouble with PoCL; else that they have no device. "" where there is no driver at all. */
+/* Problems of installed drivers: a library is missing or can't be loaded; otherwise that of PoCL's cache folder; otherwise
+ * the drivers have no device. "" if no driver is installed. */
 const char *td_driver_trouble(char text[TD_TROUBLE_MAX]);
 
-/* Trouble with the folder of PoCL's kernels, without which it has no device, or builds none. */
+/* Problems of the folder in which PoCL caches kernels. Without it PoCL has no device, or can't build. */
 const char *td_cache_trouble(char text[TD_TROUBLE_MAX]);
 
 #endif

@@ -1,4 +1,4 @@
-/* Internal: the kernel files as kernels/cl2c.sh embeds them in the library, so that it needs no files beside it at run time. */
+/* Internal: kernel files embedded in the library at build time, so that the library needs no files beside it. */
 #ifndef TD_KERNEL_SOURCE_H
 #define TD_KERNEL_SOURCE_H
 

@@ -1,6 +1,6 @@
-/* AEDAT 2.0 of jAER and v2e, read (.aedat): text lines that begin with '#', then per event a 32-bit address and a time in
- * microseconds, both big-endian. Addresses of the DAVIS: bit 31 set for images, y in bits 22 to 30 and x in bits 12 to 21,
- * both counted from the far corner, polarity in bit 11, bit 10 set for external events. */
+/* Reads AEDAT 2.0 of jAER and v2e (.aedat): text lines that begin with '#', then per event a 32-bit address and a time in
+ * microseconds, both big-endian. Address bits of a DAVIS: 31 set for images; 22 to 30 y and 12 to 21 x, both counted from the
+ * far corner; 11 polarity; 10 set for external events. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -16,7 +16,7 @@ static int detect_aedat2(const td_event_probe *probe) {
     return probe->bytes >= sizeof magic && memcmp(probe->head, magic, sizeof magic - 1) == 0;
 }
 
-/* Sizes of the sensors whose addresses are laid out so, by a word of the header; v2e writes none with its 346 x 260. */
+/* Sets the sensor's size from a word of the header. Without such a word it stays 346 x 260, as v2e writes. */
 static void set_size(td_event_stream *stream, const char *line) {
     static const struct {
         const char *word;

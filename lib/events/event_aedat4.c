@@ -1,7 +1,7 @@
-/* AEDAT 4.0 of iniVation, read (.aedat4): "#!AER-DAT4.0\r\n", a flatbuffer IOHE (compression, position of the table of
- * packets, description as XML), then packets {stream, bytes, payload} up to that table or the end of the file. A payload of
- * the stream whose type is EVTS is a flatbuffer with a vector of 16-byte events (t [us] i64, x i16, y i16, polarity u8), as
- * it is or compressed with LZ4 or Zstandard. The table at the end isn't needed: recorders that were killed leave none. */
+/* Reads AEDAT 4.0 of iniVation (.aedat4): "#!AER-DAT4.0\r\n", a flatbuffer IOHE (compression, position of the table of
+ * packets, description as XML), then packets {stream, bytes, payload} up to that table or the end of the file. A payload of a
+ * stream of type EVTS is a flatbuffer with a vector of 16-byte events (t [us] i64, x i16, y i16, polarity u8). It may be
+ * compressed with LZ4 or Zstandard. The table at the end isn't used: a recorder that was killed leaves none. */
 #include "td_aedat4.h"
 
 #include "td_base.h"
@@ -11,11 +11,11 @@
 #include <string.h>
 
 typedef struct aedat4_state {
-    int32_t compression, stream, frames; /* streams' numbers; frames -1: there are none */
-    uint64_t end;                        /* of the packets [byte] */
+    int32_t compression, stream, frames; /* numbers of the streams; frames -1: there are none */
+    uint64_t end;                        /* byte where the packets end */
     unsigned char *packed, *payload;
     size_t packed_capacity, payload_capacity;
-    size_t events, taken; /* of the packet in memory; handed out */
+    size_t events, taken; /* events in the unpacked packet; events handed out of it */
     const unsigned char *first;
 } aedat4_state;
 
@@ -31,7 +31,7 @@ static int is_named(const td_aedat4_told *t, const char *stream) {
     return strcmp(stream, number) == 0 || strcmp(stream, t->name) == 0;
 }
 
-/* The stream that was asked for, or the only one; else they are listed. */
+/* Finds the requested stream, or the only one; otherwise the error lists all. */
 static tides_status choose_stream(td_event_stream *stream, const char *xml, td_aedat4_told *chosen, tides_error *error) {
     const char *wanted = stream->reading.stream;
     char list[256] = "";
@@ -95,7 +95,7 @@ static tides_status bad_packet(const td_event_stream *stream, const char *what, 
                    (unsigned long long)stream->input.at, what);
 }
 
-/* The packet's bytes, unpacked where they are compressed. */
+/* Reads a packet's bytes and unpacks them if they are compressed. */
 static tides_status unpack(td_event_stream *stream, size_t packed, td_flat *payload, tides_error *error) {
     aedat4_state *state = stream->state;
     *payload = (td_flat){state->packed, packed};
@@ -121,7 +121,7 @@ static tides_status parse_packet(td_event_stream *stream, td_flat payload, tides
     return state->first ? TIDES_OK : bad_packet(stream, "says more events than it holds", error);
 }
 
-/* The next packet with events; state->events stays 0 at the end. */
+/* Reads the next packet with events. At the end state->events stays 0. */
 static tides_status next_packet(td_event_stream *stream, tides_error *error) {
     aedat4_state *state = stream->state;
     state->events = state->taken = 0;
@@ -132,7 +132,8 @@ static tides_status next_packet(td_event_stream *stream, tides_error *error) {
         if (status != TIDES_OK) return status;
         uint64_t bytes = td_le32(head + 4);
         if (bytes > state->end - stream->input.at) return td_event_cut_off(stream, error);
-        status = td_reserve((void **)&state->packed, &state->packed_capacity, (size_t)bytes + 1, 1, error); /* never NULL */
+        /* + 1: an empty packet still needs a buffer */
+        status = td_reserve((void **)&state->packed, &state->packed_capacity, (size_t)bytes + 1, 1, error);
         if (status == TIDES_OK) status = td_input_copy(&stream->input, state->packed, (size_t)bytes, error);
         if (status != TIDES_OK) return status;
         if ((int32_t)td_le32(head) != state->stream) continue;
@@ -146,7 +147,8 @@ static tides_status next_packet(td_event_stream *stream, tides_error *error) {
 
 /* ---- the zero ---- */
 
-/* The first packet of the stream `number`, unpacked; 0 where there is none that can be read. Others are passed over unread. */
+/* Finds and unpacks the first packet of stream `number`, without reading others' payloads; 0 if there is none or it can't be
+ * read. */
 static int find_packet(td_event_stream *probe, int32_t number, td_flat *payload) {
     aedat4_state *state = probe->state;
     td_event_input *input = &probe->input;
@@ -165,8 +167,8 @@ static int find_packet(td_event_stream *probe, int32_t number, td_flat *payload)
     return 0;
 }
 
-/* Frames share the events' clock: where there are some the first one's time is the recording's zero, which frames.rebase counts
- * from, too. Frames that can't be read are left for reading to report. */
+/* Sets the recording's zero. Frames have the events' clock. If there are frames, their first time is the zero, from which
+ * frames.rebase counts, too. Unreadable frames are reported when frames are read. */
 static void find_zero(td_event_stream *stream) {
     aedat4_state *state = stream->state;
     td_event_stream probe = {.state = state};

@@ -1,5 +1,5 @@
-/* AEDAT 4.0, written: uncompressed packets of up to 4096 events, and the table of packets that dv's tools seek with. Byte
- * layout as the flatbuffers compiler makes it: tables are of constant size, only lengths and offsets change. */
+/* Writes AEDAT 4.0: uncompressed packets of up to 4096 events, and the table of packets by which dv's tools seek. The bytes
+ * are laid out as the flatbuffers compiler does. Tables have constant size; only lengths and offsets vary. */
 #include "td_aedat4.h"
 
 #include "td_base.h"
@@ -9,22 +9,22 @@
 #include <string.h>
 
 enum {
-    PACKET_EVENTS = 4096, /* as real recorders: 64 kB */
+    PACKET_EVENTS = 4096, /* as recorders do: 64 kB */
     PACKET_HEAD = 8,      /* stream, bytes */
-    BUFFER_HEAD = 32,     /* of a packet's flatbuffer, up to the first event */
-    HEADER_FIXED = 56,    /* of the file's flatbuffer, up to the description */
+    BUFFER_HEAD = 32,     /* bytes of a packet's flatbuffer before the first event */
+    HEADER_FIXED = 56,    /* bytes of the file's flatbuffer before the description */
     POSITION_AT = TD_AEDAT4_MAGIC_BYTES + 36,
-    ENTRY_STEP = 48 /* from one entry of the table of packets to the next: 44 bytes, aligned */
+    ENTRY_STEP = 48 /* distance of entries in the table of packets: 44 bytes, aligned */
 };
 
 typedef struct packet_entry {
-    uint64_t at, bytes, events; /* of the payload; events in it */
+    uint64_t at, bytes, events; /* position and size of the payload; number of events */
     int64_t first, last;        /* [us] */
 } packet_entry;
 
 typedef struct aedat4_writer {
     unsigned char packet[PACKET_HEAD + BUFFER_HEAD + PACKET_EVENTS * TD_AEDAT4_EVENT];
-    size_t events; /* in it */
+    size_t events; /* in the packet */
     int64_t first, last;
     packet_entry *entries;
     size_t count, capacity;
@@ -50,23 +50,23 @@ static void put_words(unsigned char *out, size_t at, const uint16_t *words, size
     for (size_t i = 0; i < count; i++) td_put_le16(out + at + 2 * i, words[i]);
 }
 
-/* Four letters, without an end. */
+/* Four letters, without a NUL. */
 static void put_identifier(unsigned char *out, const char *letters) {
     for (int i = 0; i < 4; i++) out[i] = (unsigned char)letters[i];
 }
 
 static void put_header(td_event_sink *sink, const char *text) {
-    static const uint16_t virtual_table[] = {10, 24, 4, 8, 16}; /* sizes, then where the three fields are */
-    size_t length = strlen(text), bytes = (HEADER_FIXED + length + 1 + 3) / 8 * 8 + 4; /* with its end, padded */
+    static const uint16_t virtual_table[] = {10, 24, 4, 8, 16}; /* two sizes, then the offsets of the three fields */
+    size_t length = strlen(text), bytes = (HEADER_FIXED + length + 1 + 3) / 8 * 8 + 4; /* with its NUL, padded */
     unsigned char head[HEADER_FIXED] = {0}, padding[8] = {0};
     td_put_le32(head, (uint32_t)(bytes - 4));
-    td_put_le32(head + 4, 24); /* the root table, from here */
+    td_put_le32(head + 4, 24); /* offset of the root table */
     put_identifier(head + 8, "IOHE");
     put_words(head, 18, virtual_table, 5);
-    td_put_le32(head + 28, 10); /* back to its virtual table */
+    td_put_le32(head + 28, 10); /* back to the virtual table */
     td_put_le32(head + 32, TD_AEDAT4_NONE);
     td_put_le64(head + 36, UINT64_MAX); /* position of the table of packets: none yet */
-    td_put_le32(head + 44, 8);          /* the description, from here */
+    td_put_le32(head + 44, 8);          /* offset of the description */
     td_put_le32(head + 52, (uint32_t)length);
     td_sink_bytes(sink, TD_AEDAT4_MAGIC, TD_AEDAT4_MAGIC_BYTES);
     td_sink_bytes(sink, head, sizeof head);
@@ -128,20 +128,20 @@ tides_status td_aedat4_write(td_event_sink *sink, const tides_event *events, siz
 
 /* ---- the table of packets ---- */
 
-/* An entry is a table: where the packet is, how large, how many events, from when to when. */
+/* Writes an entry: a table with the packet's position, size, number of events, and first and last time. */
 static void put_entry(td_event_sink *sink, const packet_entry *e, uint32_t to_virtual_table, size_t bytes) {
     unsigned char table[ENTRY_STEP] = {0};
     td_put_le32(table, to_virtual_table);
     td_put_le64(table + 4, e->at);
-    td_put_le32(table + 16, (uint32_t)e->bytes); /* after the stream's number, 0 */
+    td_put_le32(table + 16, (uint32_t)e->bytes); /* the stream's number before it stays 0 */
     td_put_le64(table + 20, e->events);
     td_put_le64(table + 28, (uint64_t)e->first);
     td_put_le64(table + 36, (uint64_t)e->last);
     td_sink_bytes(sink, table, bytes);
 }
 
-/* Head, a vector of offsets, the virtual table that all entries share, the entries; each entry's 64-bit fields are
- * aligned. */
+/* Writes the table of packets: head, vector of offsets, a virtual table shared by all entries, and the entries. Each entry's
+ * 64-bit fields are aligned. */
 static void put_table(td_event_sink *sink, const aedat4_writer *w) {
     static const uint16_t root[] = {6, 8, 4, 0}, entry[] = {14, 44, 4, 12, 20, 28, 36};
     size_t shared = 32 + 4 * w->count, first = (shared + 14 + 3) / 8 * 8 + 4;

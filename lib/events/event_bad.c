@@ -1,4 +1,4 @@
-/* Events that can't be: refused with their number, or left out and counted. */
+/* Handles invalid events: refuses them with their number, or leaves them out and counts them. */
 #include "td_base.h"
 #include "td_event_format.h"
 

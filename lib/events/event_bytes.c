@@ -1,4 +1,4 @@
-/* Bytes of event files: read through a buffer, and written to a file beside the final one. */
+/* Bytes of event files: read through a buffer, and written to the .part beside the final file. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -61,9 +61,9 @@ tides_status td_input_copy(td_event_input *input, void *out, size_t bytes, tides
     return td_fail(error, TIDES_BAD_FILE, "%s: is cut off: %zu bytes are missing at its end", input->path, bytes - had - got);
 }
 
-/* LF, CR LF or CR alone ends a line. */
+/* Reads a line, which ends with LF, CR LF, or CR alone. */
 tides_status td_input_peek(td_event_input *input, char *line, size_t size, int *got, size_t *bytes, tides_error *error) {
-    tides_status status = td_input_fill(input, size + 1, error); /* a CR's LF may be the byte behind the longest line */
+    tides_status status = td_input_fill(input, size + 1, error); /* + 1 for the LF behind the CR of the longest line */
     if (status != TIDES_OK) return status;
     const unsigned char *data = input->data;
     const size_t most = input->ready < size ? input->ready : size;

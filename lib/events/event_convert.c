@@ -1,5 +1,5 @@
-/* From one event file to another (tides convert, tides cut): events kept by time and place, put in order, moved, written.
- * Formats are read and written by their own files. */
+/* Converts an event file (tides convert, tides cut): keeps events by time and place, sorts them, shifts them, and writes
+ * them. */
 #include "td_base.h"
 #include "td_event_order.h"
 #include "td_event_format.h"
@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 enum {
-    WINDOW = 65536, /* places that an event may be late by: real recordings are by a few */
+    WINDOW = 65536, /* positions by which an event may be late; in recordings it is a few */
     BATCH = 8192
 };
 
@@ -21,12 +21,12 @@ typedef struct converter {
     tides_event_reader *reader;
     tides_event_writer *writer;
     tides_filter *filter; /* NULL: none */
-    tides_event *events;  /* 2 WINDOW of them; the first half is written when they are full and sorted */
+    tides_event *events;  /* room for 2 WINDOW; when it is full it is sorted, and the first half is written */
     size_t count;
-    uint64_t sorted;             /* events that are in order, and gone through the filter; */
-    int64_t sorted_ns;           /* when the last of them was */
+    uint64_t sorted;             /* events already sorted, which have passed the filter; */
+    int64_t sorted_ns;           /* time of the last of them */
     int32_t width, height;       /* of the sensor that is read [px] */
-    int64_t before, first, last; /* [ns]: of the last event that was read; the earliest and the latest of all */
+    int64_t before, first, last; /* [ns] time of the last event read; earliest and latest of all */
     int32_t started;             /* an event was read */
     tides_event_conversion_report report;
 } converter;
@@ -69,7 +69,7 @@ static tides_status write_first(converter *c, size_t count, tides_error *error) 
     return status;
 }
 
-/* ---- what is kept ---- */
+/* ---- selection ---- */
 
 static int moved(converter *c, tides_event *e) {
     const tides_event_conversion *w = &c->what;
@@ -81,7 +81,7 @@ static int moved(converter *c, tides_event *e) {
     return 1;
 }
 
-/* An event outside the sensor that was asked for, which the file doesn't know of. */
+/* 1 if the event lies outside the requested sensor size, which the file itself doesn't state. */
 static int is_dropped(converter *c, const tides_event *e) {
     if (!c->what.drop_invalid || (e->x < c->width && e->y < c->height)) return 0;
     c->report.dropped++;
@@ -105,7 +105,8 @@ static tides_status take(converter *c, const tides_event *events, size_t count, 
     return TIDES_OK;
 }
 
-/* A stretch that the recording doesn't touch was meant on another clock: an empty file would say nothing of that. */
+/* Fails if the requested span of time doesn't touch the recording: then it was meant on another clock, and an empty output
+ * would hide that. */
 static tides_status check_stretch(const converter *c, tides_error *error) {
     const tides_event_conversion *w = &c->what;
     tides_event_facts facts;
@@ -134,7 +135,8 @@ static tides_status open_reader(const converter *c, tides_event_reader **reader,
     return tides_event_reader_open_as(c->in, &how, reader, error);
 }
 
-/* As asked for, as the file says, or as far as its events reach: then the file is read twice. */
+/* The sensor's size: requested, or stated in the file, or as large as the events' coordinates; for the last, the file is read
+ * twice. */
 static tides_status find_size(converter *c, int32_t *width, int32_t *height, tides_error *error) {
     tides_event_facts facts;
     tides_event_reader_facts(c->reader, &facts);
@@ -192,7 +194,7 @@ static tides_status pump(converter *c, tides_progress progress, void *user, tide
     return status == TIDES_OK ? write_first(c, c->count, error) : status;
 }
 
-/* The input is still there: half an output has no use. */
+/* Removes the unfinished output. The input still exists, so half an output has no use. */
 static void remove_output(const char *out) {
     char *part = NULL;
     if (td_part_name(out, 1, &part, NULL) == TIDES_OK) td_remove_part(part, out);
@@ -208,7 +210,7 @@ static tides_status run(converter *c, tides_progress progress, void *user, tides
     if (status != TIDES_OK) return status;
     c->report.collapsed = tides_event_writer_collapsed(c->writer);
     tides_event_writer *writer = c->writer;
-    c->writer = NULL; /* gone whatever _finish returns */
+    c->writer = NULL; /* tides_event_writer_finish frees it in any case */
     status = tides_event_writer_finish(writer, c->report.last_ns, error);
     if (status != TIDES_OK) remove_output(c->out);
     return status;

@@ -1,8 +1,8 @@
-/* Comma-separated values (.csv), in three dialects that are written:
+/* Comma-separated values (.csv). Three dialects are written:
  *   csv         faery's: header "t,x@WIDTH,y@HEIGHT,on", times in microseconds
- *   csv-ns      ours: header "t_ns,x@WIDTH,y@HEIGHT,p", times in nanoseconds
- *   csv-openeb  Prophesee's: "%geometry:WIDTH,HEIGHT" (older tools leave it out), then x,y,p,t in microseconds
- * Read are all texts with commas or semicolons: event_rows_open.c finds what their columns are. */
+ *   csv-ns      TIDES's own: header "t_ns,x@WIDTH,y@HEIGHT,p", times in nanoseconds
+ *   csv-openeb  Prophesee's: "%geometry:WIDTH,HEIGHT" (absent in files of older tools), then x,y,p,t in microseconds
+ * All texts with commas or semicolons are read: the columns are found from a header, or from the values. */
 #include "td_event_rows.h"
 
 #include "td_base.h"
@@ -17,7 +17,7 @@ static int detect_openeb(const td_event_probe *probe) {
     return kind == TD_TEXT_GEOMETRY || kind == TD_TEXT_COMMAS;
 }
 
-/* A format that was named says the unit of a header without one. */
+/* Opens a file. `digits` is the unit of a header without one, if the format was named. */
 static tides_status open_with(td_event_stream *stream, int digits, tides_error *error) {
     const td_event_rows by_header = {.meaning.digits = stream->reading.format ? digits : -1};
     return td_event_rows_open(stream, &by_header, error);
@@ -68,7 +68,8 @@ static tides_status write_csv_ns(td_event_sink *sink, const tides_event *events,
 
 static const char geometry[] = "%geometry:";
 
-/* Named, or known by its first line, its order is fixed; else commas are all that is known. */
+/* Opens Prophesee's CSV. The order of columns is fixed if the format was named or the first line is its geometry. Otherwise
+ * they are found from the values. */
 static tides_status open_openeb(td_event_stream *stream, tides_error *error) {
     td_event_rows rows = {.meaning = {{3, 0, 1, 2}, stream->reading.format ? 3 : -1}};
     tides_status status = td_input_fill(&stream->input, sizeof geometry - 1, error);

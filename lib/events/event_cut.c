@@ -1,9 +1,10 @@
-/* Datasets of whole chunks cut back: what a death has left beyond their rows goes, too. */
+/* Cuts an HDF5 dataset of whole chunks back. A killed process may have left chunks beyond the dataset's rows: these are
+ * removed, too. */
 #include "td_event_store.h"
 
 #include "archive/td_h5_driver.h"
 
-/* Rows of a one-dimensional dataset with chunks of `chunk`; -1 where it is none. */
+/* Number of rows of a one-dimensional dataset with chunks of `chunk`; -1 if it is another kind. */
 hssize_t td_event_rows_of(hid_t dataset, hsize_t chunk) {
     hsize_t found = 0;
     hid_t creation = H5Dget_create_plist(dataset), space = H5Dget_space(dataset);
@@ -15,7 +16,8 @@ hssize_t td_event_rows_of(hid_t dataset, hsize_t chunk) {
     return rows;
 }
 
-/* Rows up to the end of the last chunk. A death while a cut was put on the disk may have left more of them than rows. */
+/* Number of rows up to the end of the last stored chunk. It exceeds the dataset's rows if the process died while a cut was
+ * written. */
 static hsize_t rows_of_chunks(hid_t dataset, hsize_t chunk) {
     hsize_t rows = 0;
 #if H5_VERSION_GE(1, 10, 5)
@@ -31,7 +33,8 @@ static hsize_t rows_of_chunks(hid_t dataset, hsize_t chunk) {
     return rows;
 }
 
-/* HDF5 gives up the chunks between what is and what shall be: all that are beyond `rows` come to lie there first. */
+/* Cuts to `rows`. HDF5 frees only chunks between the old and the new extent, so the extent first grows to include all stored
+ * chunks. */
 herr_t td_event_cut_rows(hid_t dataset, hsize_t rows, hsize_t chunk) {
     const hsize_t there = rows_of_chunks(dataset, chunk);
     if ((hssize_t)there > td_event_rows_of(dataset, chunk) && H5Dset_extent(dataset, &there) < 0) return -1;

@@ -1,6 +1,6 @@
-/* Prophesee DAT, version 2 (.dat): a text header, two bytes (type 0x0c, size 8), then per event the time in 32-bit
- * microseconds and polarity << 28 | y << 14 | x. The time begins anew every 2^32 us (71.6 min): a fall by half of that is a
- * new turn. */
+/* Prophesee DAT, version 2 (.dat): a text header, two bytes (type 0x0c, size 8), then per event a time (32 bits of
+ * microseconds) and polarity << 28 | y << 14 | x. The time wraps around every 2^32 us (71.6 min): if it falls by more than
+ * half of that, a new turn has begun. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -21,7 +21,7 @@ static int detect_dat(const td_event_probe *probe) {
 
 static tides_status open_dat(td_event_stream *stream, tides_error *error) {
     td_event_header header;
-    int64_t *before = td_alloc(1, sizeof *before, error); /* the last time, turns included [us] */
+    int64_t *before = td_alloc(1, sizeof *before, error); /* the last event's time, with turns [us] */
     stream->state = before;
     if (!before) return TIDES_NO_MEMORY;
     tides_status status = td_event_header_read(stream, &header, error);
@@ -69,7 +69,7 @@ static tides_status create_dat(td_event_sink *sink, tides_error *error) {
     return TIDES_OK;
 }
 
-/* A reader sees a turn only as a fall of the stored time, so no silence across one may be longer than half a turn. */
+/* A reader recognises a turn only by the fall of the stored time, so a gap across a turn must be shorter than half a turn. */
 static const char *check_dat(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
     (void)sink;
     int64_t from = previous ? previous->t / 1000 : 0, t = event->t / 1000;

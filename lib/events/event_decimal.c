@@ -1,23 +1,23 @@
-/* Decimal numbers of text files, exactly: binary floating point would move microseconds of absolute times, and the C
- * library's parser follows the locale. */
+/* Parses decimal numbers exactly. Binary floating point would shift the microseconds of times since 1970, and the C library's
+ * parser depends on the locale. */
 #include "td_event_format.h"
 
 #include <string.h>
 
-/* Longer numbers aren't times; an exponent beyond this moves the point out of any of them. */
+/* A longer number isn't a time; a larger exponent moves the point out of any number. */
 enum { DIGITS_MAX = 512, EXPONENT_MAX = 100000 };
 
-/* A number as digits before the scale: 12.5e3 is "125" with scale 2. */
+/* A number as digits and a scale: 12.5e3 is "125" with scale 2. */
 typedef struct number {
     char digits[DIGITS_MAX];
     size_t count;
-    long scale; /* decimal places that follow the digits; negative: they hold that many decimals */
+    long scale; /* places to move the decimal point right of the digits' end; negative: left */
     int negative;
 } number;
 
 static int is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/* The exponent at `at`, which must be the rest of the text. */
+/* Parses the exponent at `at`, which must extend to the end of the text. */
 static int scan_exponent(const char *at, const char *end, long *exponent) {
     int negative = at < end && *at == '-';
     long value = 0;
@@ -56,7 +56,7 @@ static int scan(const char *text, size_t length, number *n) {
     return 1;
 }
 
-/* Adds a digit below INT64_MAX; 0 on overflow. */
+/* Appends a digit to `value`, which must stay below INT64_MAX; 0 on overflow. */
 static int append(uint64_t *value, int digit) {
     if (*value > (uint64_t)(INT64_MAX - digit) / 10) return 0;
     *value = 10 * *value + (uint64_t)digit;

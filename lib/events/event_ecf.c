@@ -1,4 +1,4 @@
-/* Prophesee's HDF5 files, read: the compound /CD/events {x, y, p, t [us]}, whose chunks are unpacked here, so that their
+/* Reads Prophesee's HDF5 files: a dataset /CD/events of {x, y, p, t [us]}. Its chunks are unpacked here, so that Prophesee's
  * plugin for HDF5 isn't needed. */
 #include "td_ecf.h"
 
@@ -10,13 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A chunk has up to 65535 events in the codec; its packed bytes are bounded by what masks and runs can't exceed. */
+/* The codec allows 65535 events per chunk. An event takes at most 24 packed bytes. */
 enum { CHUNK_MOST = 65535, PACKED_MOST = 12 + CHUNK_MOST * 24 };
 
 typedef struct ecf_state {
     hid_t file, dataset;
-    uint64_t rows, chunk; /* events; per chunk */
-    uint64_t next;        /* chunk to be read */
+    uint64_t rows, chunk; /* number of events; events per chunk */
+    uint64_t next;        /* index of the next chunk to read */
     size_t held, taken;
     tides_event *events;
     unsigned char *packed;
@@ -36,7 +36,7 @@ static int detect_ecf(const td_event_probe *probe) {
 
 /* ---- opening ---- */
 
-/* 1 where the dataset's only filter is the codec. */
+/* 1 if the dataset's only filter is Prophesee's codec. */
 static int has_codec(hid_t creation) {
     unsigned flags, config;
     size_t values = 0;
@@ -70,7 +70,7 @@ static tides_status open_dataset(ecf_state *state, const char *path, tides_error
     return td_h5_check_storage(path, "/CD/events", state->dataset, extent, 1, error);
 }
 
-/* "1280x720" */
+/* Reads the sensor's size from a text such as "1280x720". */
 static void read_geometry(const ecf_state *state, tides_event_facts *facts) {
     char text[64], *end;
     if (!td_h5_read_text(state->file, "geometry", text, sizeof text)) return;
@@ -112,7 +112,7 @@ static tides_status bad_chunk(const td_event_stream *stream, const char *what, t
     return td_fail(error, TIDES_BAD_FILE, "%s: chunk %" PRIu64 " of /CD/events %s", stream->input.path, state->next, what);
 }
 
-/* A chunk that the codec was left out of: records as they are in memory. */
+/* Takes a chunk that is stored without the codec: records as they are in memory. */
 static int take_records(ecf_state *state, size_t bytes) {
     state->held = bytes / TD_ECF_RECORD < state->chunk ? bytes / TD_ECF_RECORD : (size_t)state->chunk;
     for (size_t i = 0; i < state->held; i++) {
@@ -143,7 +143,7 @@ static tides_status next_chunk(td_event_stream *stream, tides_error *error) {
         state->held = 0;
         return bad_chunk(stream, "is damaged", error);
     }
-    state->held = wanted; /* the last chunk may be padded */
+    state->held = wanted; /* the rest of the last chunk is padding */
     state->next++;
     return TIDES_OK;
 }

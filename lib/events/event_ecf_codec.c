@@ -1,14 +1,14 @@
 /* The codec of Prophesee's HDF5 files, after its public description (hdf5_ecf). A chunk is
  *   u32       count << 2 | how x, y and polarity are packed
  *   u64       time of the first event [us]
- *   times     bytes step << 4 | count: the time moves on by the step (0 to 14), and so many events have it;
- *             count 15: as u16 behind. Before it, bytes 0xf0 | nibble give a longer step, lowest nibble first.
- * and then, with bit 1 of the first word, four events in three u32, 24 bits each: y << 12 | x << 1 | polarity; without it
- *   rows      u16 y << 5 | count of events in it; count 31: as u16 behind
- * and with bit 0 four events in three u16, 12 bits each: x << 1 | polarity; without it
+ *   times     bytes step << 4 | count: the time advances by the step (0 to 14), and `count` events have it; count 15: the
+ *             count follows as u16. A longer step comes in bytes 0xf0 | nibble before it, lowest nibble first.
+ * Then, with bit 1 of the first word, four events in three u32, 24 bits each: y << 12 | x << 1 | polarity. Without it
+ *   rows      u16 y << 5 | count of events in the row; count 31: the count follows as u16
+ * and with bit 0, four events in three u16, 12 bits each: x << 1 | polarity. Without it
  *   x         u16 x << 5 | mask: bit 4 - j is an event at x + 1 + j
- *   polarity  bytes polarity << 7 | count; count 127: as u16 behind
- * What is written is packed the first way, which is always allowed. */
+ *   polarity  bytes polarity << 7 | count; count 127: the count follows as u16
+ * TIDES writes with bit 1, which is always possible. */
 #include "td_ecf.h"
 
 #include "td_endian.h"
@@ -43,7 +43,7 @@ static unsigned char *pack_times(const tides_event *events, size_t count, unsign
 }
 
 static uint32_t pack_pixel(const tides_event *events, size_t i, size_t count) {
-    if (i >= count) return 0; /* the last group's padding */
+    if (i >= count) return 0; /* padding of the last group */
     const tides_event *e = &events[i];
     return (uint32_t)e->y << 12 | (uint32_t)e->x << 1 | (e->polarity > 0);
 }
@@ -72,7 +72,7 @@ typedef struct chunk {
 
 static int left(const chunk *c, size_t bytes) { return (size_t)(c->end - c->at) >= bytes; }
 
-/* A count whose own bits are all set goes on in two bytes; 0 at the end of the data. */
+/* Reads a count. If all its bits are set, the count follows in two bytes. 0 at the end of the data. */
 static int take_count(chunk *c, size_t own, size_t full, size_t *count) {
     *count = own;
     if (own != full) return 1;
@@ -82,7 +82,7 @@ static int take_count(chunk *c, size_t own, size_t full, size_t *count) {
     return 1;
 }
 
-/* A step of 16 nibbles fills 64 bits. */
+/* Reads a step; 16 nibbles fill its 64 bits. */
 static int take_step(chunk *c, uint64_t *step) {
     uint64_t value = 0;
     int nibbles = 0;
@@ -177,7 +177,7 @@ static int unpack_polarities(chunk *c) {
     return 1;
 }
 
-/* Runs of no events at all would go on for ever only if they took no bytes: each takes one. */
+/* Unpacks a chunk. A run of 0 events doesn't loop for ever, because each run takes at least a byte. */
 int td_ecf_unpack(const unsigned char *data, size_t bytes, tides_event *events, size_t capacity, size_t *count) {
     if (bytes < 12) return 0;
     uint32_t head = td_le32(data);

@@ -1,5 +1,5 @@
-/* Prophesee's HDF5 files, written as openeb reads them: /CD/events in packed chunks, /CD/indexes with one entry for every 2
- * ms, an empty /EXT_TRIGGER, and attributes that name the sensor. Chunks are packed here and written as they are. */
+/* Writes Prophesee's HDF5 files as openeb reads them: /CD/events in packed chunks, /CD/indexes with one entry for every 2 ms,
+ * an empty /EXT_TRIGGER, and attributes that name the sensor. Chunks are packed here, and HDF5 stores them unchanged. */
 #include "td_ecf.h"
 
 #include "archive/td_h5_driver.h"
@@ -15,7 +15,7 @@
 enum { INDEX_US = 2000 };
 
 typedef struct index_entry {
-    uint64_t id; /* of an event */
+    uint64_t id; /* number of an event */
     int64_t ts;  /* its time [us] */
 } index_entry;
 
@@ -28,8 +28,9 @@ typedef struct ecf_writer {
     int64_t first; /* [us] */
     uint64_t index_rows;
     size_t pending_count;
-    index_entry pending[TD_ECF_CHUNK], last; /* entries that wait for their chunk; of the last interval with events */
-    int failed;                              /* errno of a write that HDF5 doesn't see (archive/td_h5_driver.h), or 0 */
+    /* entries that wait for their chunk to fill; entry of the last interval with events */
+    index_entry pending[TD_ECF_CHUNK], last;
+    int failed; /* errno of the first failed write, which the file driver hides from HDF5; or 0 */
 } ecf_writer;
 
 /* ---- creation ---- */
@@ -61,7 +62,8 @@ static hid_t index_type(void) {
     return type;
 }
 
-/* Takes the type over. The codec is marked as optional: HDF5 then lets us name it without having it. */
+/* Creates a dataset and closes `type`. The codec is marked as optional: HDF5 then stores its number without having the
+ * codec. */
 static hid_t create_dataset(hid_t file, const char *name, hid_t type, int codec) {
     const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = TD_ECF_CHUNK;
     hid_t dataset = -1, space = H5Screate_simple(1, &none, &unlimited), creation = H5Pcreate(H5P_DATASET_CREATE);
@@ -135,12 +137,13 @@ tides_status td_ecf_create(td_event_sink *sink, tides_error *error) {
     if (status != TIDES_OK) return status;
     if (create_all(sink, w) < 0 || w->failed) {
         status = write_failed(sink, error);
-        if (w->failed != EBUSY) td_remove_part(sink->part, sink->path); /* a shell is no use to anyone; still ours alone */
+        /* without datasets the file is useless; the lock is still ours */
+        if (w->failed != EBUSY) td_remove_part(sink->part, sink->path);
         close_all(w);
         return status;
     }
     sink->claim = td_keep_claim(td_h5_descriptor(w->file));
-    w->pending[w->pending_count++] = (index_entry){0, -1}; /* before all events */
+    w->pending[w->pending_count++] = (index_entry){0, -1}; /* the first entry is for the time before all events */
     return TIDES_OK;
 }
 
@@ -178,12 +181,13 @@ static herr_t add_entry(ecf_writer *w) {
     return w->pending_count == TD_ECF_CHUNK ? write_index(w) : 0;
 }
 
-/* Entry k is the first event of the interval k - 1, or of the last one before it that has any. Intervals count from the first
- * event. */
+/* Adds entries up to the event's interval. Entry k is the first event of interval k - 1, or of the last interval before it
+ * that has events. Intervals count from the first event. */
 static herr_t index_event(ecf_writer *w, const tides_event *e, uint64_t id) {
     int64_t t = e->t / 1000;
     if (id == 0) w->first = t;
-    uint64_t interval = (uint64_t)((t - w->first) / INDEX_US), next = w->index_rows + w->pending_count; /* entries so far */
+    /* number of entries so far */
+    uint64_t interval = (uint64_t)((t - w->first) / INDEX_US), next = w->index_rows + w->pending_count;
     if (id > 0 && interval + 1 < next) return 0; /* not the first of its interval */
     for (; next < interval + 1; next++)
         if (add_entry(w) < 0) return -1;
@@ -191,7 +195,7 @@ static herr_t index_event(ecf_writer *w, const tides_event *e, uint64_t id) {
     return add_entry(w);
 }
 
-/* 8 kB of index for every second without events. */
+/* Limits gaps without events, since the index takes 8 kB for every second. */
 const char *td_ecf_check(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
     (void)sink;
     return previous && event->t - previous->t > INT64_C(1000000) * 1000000000

@@ -1,6 +1,6 @@
-/* Event Stream 2.0 of kind DVS (.es): "Event Stream", version 2.0.0, kind 1, width and height as 16 bits; then per event a
- * byte dt << 1 | polarity with dt below 127 us, x and y as 16 bits, and before it a byte 0xff for every 127 us more. y counts
- * from below. Times are microseconds without an end. */
+/* Event Stream 2.0 of kind DVS (.es): "Event Stream", version 2.0.0, kind 1, width and height as 16 bits. An event is a byte
+ * dt << 1 | polarity with dt below 127 us, then x and y as 16 bits. A byte 0xff before it adds 127 us to dt. y counts from
+ * the bottom. Times are microseconds of any size. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -34,7 +34,7 @@ static tides_status open_es(td_event_stream *stream, tides_error *error) {
                    stream->facts.height);
 }
 
-/* Passes over bytes that only move the time. */
+/* Reads over bytes that only advance the time. */
 static tides_status take_silence(td_event_stream *stream, tides_error *error) {
     int64_t *time = stream->state;
     do {

@@ -1,4 +1,5 @@
-/* Prophesee EVT 2.0, 2.1 and 4.0 (.raw): words with 6 bits of time in each event and TIME_HIGH words in between.
+/* Prophesee EVT 2.0, 2.1 and 4.0 (.raw): each event has the low 6 bits of its time; TIME_HIGH words in between have the
+ * rest.
  *
  *   2.0, 32 bits: TIME_HIGH 0x8 << 28 | t >> 6;  event polarity << 28 | (t & 63) << 22 | x << 11 | y
  *   2.1, 64 bits: TIME_HIGH 0x8 << 60 | (t >> 6) << 32;  events polarity << 60 | (t & 63) << 54 | x << 43 | y << 32 | mask
@@ -7,11 +8,11 @@
  *
  * where bit i of the mask is an event at x + i.
  *
- * Times are microseconds; the 28 bits of TIME_HIGH begin anew every 2^34 us (4 h 46 min): a fall by half of that is a new
- * turn. A word of 4.0 before the first TIME_HIGH has no time, and is passed over, as Prophesee's own reader does.
+ * Times are microseconds. The 28 bits of TIME_HIGH wrap around every 2^34 us (4 h 46 min): if they fall by more than half of
+ * that, a new turn has begun. In 4.0 a word before the first TIME_HIGH has no time and is skipped, as in Prophesee's reader.
  *
- * Written is one event a word: masks would save bytes where a row fires at once, but which events share one would depend on
- * the portions that they come in. In 2.1 x is a multiple of 32, as sensors send it. */
+ * TIDES writes one event per word. Masks would save bytes where a whole row fires at once. But then the bytes would depend on
+ * the portions in which events are appended. In 2.1 x is a multiple of 32, as from sensors. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -25,10 +26,10 @@ enum { EVT4_OFF = 0xA, EVT4_ON, EVT4_MASK_OFF, EVT4_MASK_ON, EVT4_TIME_HIGH };
 #define HIGH_VALUES (INT64_C(1) << 28)
 
 typedef struct clock_state {
-    int64_t high;    /* of the last TIME_HIGH, turns included [64 us] */
-    int32_t started; /* 4.0: a TIME_HIGH has come */
-    int32_t swapped; /* 2.1 with halves exchanged */
-    int32_t wide;    /* of files to write: a mask comes with each word; and types */
+    int64_t high;    /* of the last TIME_HIGH, with turns [64 us] */
+    int32_t started; /* 4.0: a TIME_HIGH was read */
+    int32_t swapped; /* 2.1 with the 32-bit halves of each word exchanged */
+    int32_t wide;    /* for writing: a mask comes with each word; the format's type codes */
     uint32_t type_high, type_off;
 } clock_state;
 
@@ -65,7 +66,7 @@ static int64_t time_ns(const clock_state *state, uint32_t low) { return (state->
 
 static int in_range(const clock_state *state) { return state->high < INT64_MAX / 1000 / 64 - 1; }
 
-/* Types of OFF are even, of ON odd, in all three. */
+/* In all three formats the types of OFF events are even, of ON events odd. */
 static tides_event event_at(const clock_state *state, uint32_t word, uint32_t offset) {
     return (tides_event){.t = time_ns(state, word >> 22 & 63),
                          .x = (uint16_t)((word >> 11 & 2047) + offset),
@@ -89,7 +90,7 @@ static tides_status read_evt2(td_event_stream *stream, tides_event *events, size
         uint32_t word = td_le32(stream->input.data), type = word >> 28;
         td_input_skip(&stream->input, 4);
         if (type == TYPE_TIME_HIGH) take_high(state, word & (HIGH_VALUES - 1));
-        if (type > TYPE_ON) continue; /* triggers and what the sensor says about itself */
+        if (type > TYPE_ON) continue; /* triggers and the sensor's status words */
         if (!in_range(state)) return td_event_bad(stream, td_event_number(stream, *got), "lies beyond 292 years", error);
         events[(*got)++] = event_at(state, word, 0);
     }
@@ -113,7 +114,7 @@ static tides_status read_evt21(td_event_stream *stream, tides_event *events, siz
     return TIDES_OK;
 }
 
-/* The word at the input's data, and its mask where it has one; 0 where the file ends before. `bytes` is what they take. */
+/* Reads the word at the input's data and its mask, if it has one. `bytes`: what they take. 0 if the file ends first. */
 static int take_evt4(const td_event_input *input, uint32_t *word, uint32_t *mask, size_t *bytes) {
     *word = input->ready < 4 ? 0 : td_le32(input->data);
     const int masked = *word >> 28 == EVT4_MASK_OFF || *word >> 28 == EVT4_MASK_ON;
@@ -160,7 +161,7 @@ static void put_high(td_event_sink *sink, int64_t high) {
     state->high = high;
 }
 
-/* The first word of the data is TIME_HIGH 0: its bytes can't be taken for a header's '%' (expelliarmus hangs there). */
+/* Begins the data with TIME_HIGH 0: its bytes can't be mistaken for a header's '%', at which expelliarmus would hang. */
 static tides_status create_evt(td_event_sink *sink, const char *evt, const char *name, clock_state layout, tides_error *error) {
     clock_state *state = td_alloc(1, sizeof *state, error);
     sink->state = state;
@@ -181,7 +182,8 @@ static tides_status create_evt4(td_event_sink *sink, tides_error *error) {
     return create_evt(sink, "4.0", "EVT4", (clock_state){.type_high = EVT4_TIME_HIGH, .type_off = EVT4_OFF}, error);
 }
 
-/* A turn is recognised by the clock's last value and its first: openeb's reader of 2.1 counts no other fall. */
+/* Writes TIME_HIGH words up to `high`. At a turn it writes the last value and the first one: openeb's reader of 2.1
+ * recognises no other fall as a turn. */
 static void go_to(td_event_sink *sink, int64_t high) {
     const clock_state *state = sink->state;
     for (int64_t turn = state->high / HIGH_VALUES + 1; turn <= high / HIGH_VALUES; turn++) {

@@ -1,12 +1,12 @@
-/* Prophesee EVT 3.0 (.raw): 16-bit words whose top four bits say what they change; events take time and row from what came
- * before.
+/* Prophesee EVT 3.0 (.raw): 16-bit words, whose top four bits give their type. Words set the time, the row or the polarity,
+ * and events use the last values that were set.
  *
  *   0x0 row y, 11 bits               0x2 event: polarity << 11 | x          0x3 start of vectors: polarity << 11 | x
  *   0x4 vector: 12 pixels from the   0x5 vector of 8 pixels                 0x6 low 12 bits of the time
  *       start, which moves on        0x8 high 12 bits of the time           others: triggers, the sensor's own words
  *
- * Times are microseconds; 24 bits begin anew every 16.777216 s: a fall of the high part by half of its range is a new
- * turn. */
+ * Times are microseconds. The 24 bits wrap around every 16.777216 s: if the high part falls by more than half of its range, a
+ * new turn has begun. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -27,7 +27,7 @@ enum {
 };
 
 typedef struct evt3_state {
-    int64_t high; /* turns included [4096 us]; -1 before the first */
+    int64_t high; /* with turns [4096 us]; -1 before the first */
     int64_t time; /* [us] */
     uint32_t y, base;
     int8_t polarity; /* of vectors */
@@ -47,11 +47,12 @@ static tides_status open_evt3(td_event_stream *stream, tides_error *error) {
     stream->state = state;
     if (!state) return TIDES_NO_MEMORY;
     state->high = -1;
-    state->polarity = -1; /* vectors before their first start: at x 0, OFF, as in Prophesee's reader */
+    state->polarity = -1; /* vectors before the first start are at x 0 and OFF, as in Prophesee's reader */
     return td_event_header_read(stream, &header, error);
 }
 
-/* The low part is zero until the file gives it, as in openeb; a camera that repeats the high part doesn't step back. */
+/* Takes the high part of the time. It sets the low part to zero, as openeb does, unless the camera repeats the same high
+ * part. */
 static void take_high(evt3_state *state, uint32_t high) {
     int64_t turns = state->high < 0 ? 0 : state->high / HIGH_VALUES, before = state->high < 0 ? 0 : state->high % HIGH_VALUES;
     if (before - (int64_t)high >= HIGH_VALUES / 2) turns++;
@@ -72,8 +73,7 @@ static size_t take_vector(evt3_state *state, uint32_t mask, uint32_t width, tide
     return count;
 }
 
-/* One word: the events that it makes. A recording may begin between two times: what comes before the first has none, and is
- * passed over, as Prophesee's own reader does. */
+/* Reads one word, and makes its events. Words before the first time have none, and are skipped as in Prophesee's reader. */
 static size_t take_word(evt3_state *state, uint32_t word, tides_event *events) {
     uint32_t value = word & 0xfff;
     switch (word >> 12) {
@@ -123,7 +123,7 @@ static void put_word(td_event_sink *sink, uint32_t type, uint32_t value) {
     td_sink_bytes(sink, word, sizeof word);
 }
 
-/* The first byte of the data is 0: it can't be taken for a header's '%'. */
+/* Begins the data with a byte 0, which can't be mistaken for a header's '%'. */
 static tides_status create_evt3(td_event_sink *sink, tides_error *error) {
     evt3_state *state = td_alloc(1, sizeof *state, error);
     sink->state = state;
@@ -134,8 +134,8 @@ static tides_status create_evt3(td_event_sink *sink, tides_error *error) {
     return TIDES_OK;
 }
 
-/* High parts one after the other, none left out: openeb and faery count turns only so. Each is followed by a low part, which
- * readers take for 0 after it. */
+/* Writes the time. All high parts in between are written, because openeb and faery recognise a turn only so. A low part
+ * follows each, since readers take it for 0 otherwise. */
 static void put_time(td_event_sink *sink, evt3_state *state, int64_t time) {
     if (time == state->time) return;
     while (state->high != time >> 12) {
@@ -146,7 +146,7 @@ static void put_time(td_event_sink *sink, evt3_state *state, int64_t time) {
     state->time = time;
 }
 
-/* Single events only: vectors pay where a row fires at once, and openeb drops those that aren't whole. */
+/* Writes single events only. Vectors pay only where a whole row fires at once, and openeb drops incomplete ones. */
 static tides_status write_evt3(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {
     (void)error;
     evt3_state *state = sink->state;

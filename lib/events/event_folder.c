@@ -1,4 +1,4 @@
-/* Folders of the data sets that come as such: where their events lie, which file follows which, and how large the image is.
+/* Folders of data sets: finds their event files, the order of these, and the image's size.
  *
  *   DSEC      SEQ/events/{left,right}/events.h5, rectify_map.h5 beside it (height, width, 2)
  *   EDS       SEQ/events.h5
@@ -9,8 +9,8 @@
  *   BS-ERGB   SEQ/events/%06d.npz, SEQ/images/%06d.png
  *   rpg_vid2e DIR/%010d.npz
  *
- * The folder of the sequence may be named, or that of the event files. Numbered files are read one after the other; fine
- * coordinates are rounded to the nearest pixel and clipped to the image, as the loaders of ERGB do. */
+ * The user names the folder of the sequence or of the event files. Numbered files are read one after the other. Fine
+ * coordinates are rounded to the nearest pixel and clipped to the image, as ERGB's loaders do. */
 #include "td_event_format.h"
 
 #include "td_event_h5_source.h"
@@ -21,20 +21,20 @@
 
 typedef struct folder_state {
     td_folder files;
-    size_t next;                  /* the file to be opened */
-    const td_event_format *inner; /* of every file */
+    size_t next;                  /* index of the next file to open */
+    const td_event_format *inner; /* the format of all files */
     td_event_stream stream;       /* the file being read */
-    uint64_t dropped;             /* of its invalid events, those that are counted already */
+    uint64_t dropped;             /* invalid events of the file being read that were already counted */
     int opened;
 } folder_state;
 
-/* ---- where the events lie ---- */
+/* ---- finding the files ---- */
 
-/* Below the folder that was named; "": itself. */
+/* Places of the event files, relative to the named folder. */
 static const char *const places[] = {"", "/events_aligned", "/events", "/events/left", "/events/right", "/events_left"};
 enum { PLACES = sizeof places / sizeof *places };
 
-/* Numbered files of one ending: others beside them hold other things (MVSEC's flow, EVIMO2's masks). */
+/* Lists the numbered files of one ending. Other files there hold other data (MVSEC's flow, EVIMO2's masks). */
 static tides_status list_numbered(const char *path, td_folder *files, tides_error *error) {
     td_folder all = {NULL, 0, 0};
     tides_status status = td_folder_list(&all, path, ".npz", error);
@@ -46,7 +46,7 @@ static tides_status list_numbered(const char *path, td_folder *files, tides_erro
     return status;
 }
 
-/* The event files of one folder: one alone, or all numbered .npz. */
+/* Finds the event files in one folder: a single file, or all numbered .npz. */
 static tides_status list_place(const char *path, td_folder *files, tides_error *error) {
     static const char *const singles[] = {"events.h5", "events.txt"};
     tides_status status = TIDES_OK;
@@ -62,7 +62,7 @@ static tides_status list_place(const char *path, td_folder *files, tides_error *
     return status == TIDES_OK && !files->count ? list_numbered(path, files, error) : status;
 }
 
-/* `*where` becomes the folder that holds the files, the caller's to free. */
+/* Finds the event files. `*where` becomes their folder, which the caller frees. */
 static tides_status find_files(folder_state *state, const char *path, const char *stream, char **where, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int i = 0; i < PLACES && status == TIDES_OK; i++) {
@@ -91,9 +91,10 @@ static tides_status find_files(folder_state *state, const char *path, const char
                    path);
 }
 
-/* ---- what they are ---- */
+/* ---- format and size ---- */
 
-/* Whether coordinates are fine is asked of all files together: one whose events lie near the corner can't tell. */
+/* Decides from all files together whether coordinates are fine (1/32 px). A single file with all events near the corner can't
+ * tell. */
 static tides_status choose_inner(folder_state *state, const char *where, tides_error *error) {
     const td_folder *files = &state->files;
     int fine = 0;
@@ -114,7 +115,7 @@ static tides_status choose_inner(folder_state *state, const char *where, tides_e
                    where);
 }
 
-/* Big-endian width and height of a PNG stand behind its mark and the first chunk's name. 0 is no size. */
+/* Reads a PNG's big-endian width and height, which follow its signature and the first chunk's name. 0: not a size. */
 static void read_png_size(const char *path, tides_event_facts *facts) {
     unsigned char head[24];
     FILE *file = fopen(path, "rb");
@@ -127,7 +128,7 @@ static void read_png_size(const char *path, tides_event_facts *facts) {
     facts->height = height;
 }
 
-/* The first picture's, which ERGB's events are aligned with, and ECD's are of. */
+/* The size of the first picture. ERGB's events are aligned with the pictures, and ECD's pictures are the sensor's own. */
 static tides_status read_picture_size(const char *where, tides_event_facts *facts, tides_error *error) {
     static const char *const places_of[] = {"../images_corrected", "../images", "images"};
     tides_status status = TIDES_OK;
@@ -142,7 +143,7 @@ static tides_status read_picture_size(const char *where, tides_event_facts *fact
     return status;
 }
 
-/* DSEC's map of where each pixel comes from has one entry per pixel. */
+/* The size of DSEC's rectification map, which has one entry per pixel. */
 static tides_status read_map_size(const char *where, tides_event_facts *facts, tides_error *error) {
     hsize_t extent[3] = {0, 0, 0};
     hid_t file = -1, map = -1, space = -1;
@@ -177,9 +178,9 @@ static void close_file(folder_state *state) {
 static tides_status open_next(td_event_stream *stream, tides_error *error) {
     folder_state *state = stream->state;
     const char *path = state->files.files[state->next];
-    stream->input.at = state->next++; /* how far the reader is, in files */
+    stream->input.at = state->next++; /* position counted in files */
     state->stream = (td_event_stream){.input = {.path = path}, .reading = stream->reading};
-    state->stream.reading.stream = NULL; /* the folder's */
+    state->stream.reading.stream = NULL; /* this option names a stream of the folder, not of the file */
     snprintf(state->stream.facts.format, sizeof state->stream.facts.format, "%s", state->inner->name);
     state->opened = 1;
     state->dropped = 0;

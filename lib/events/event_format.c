@@ -1,4 +1,4 @@
-/* The table of formats, and how one is found: by name, by what a file holds, by the ending of a file to be written. */
+/* The table of event formats, and the choice of one: by name, by a file's content, or by the ending of a file to write. */
 #include "td_event_format.h"
 
 #include "td_event_rows.h"
@@ -12,7 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* In the order of detection: magic numbers first, then headers, then plain text, then what has nothing but its size. */
+/* In the order of detection: magic numbers first, then headers, then plain text, then formats recognised only by their size. */
 const td_event_format *const td_event_formats[] = {
     &td_format_ecf,  &td_format_hdf5,   &td_format_aedat4,     &td_format_aedat2, &td_format_es,
     &td_format_evt4, &td_format_evt3,   &td_format_evt21,      &td_format_evt2,   &td_format_dat,
@@ -52,7 +52,7 @@ static tides_status probe_file(const char *path, td_event_probe *probe, tides_er
     return TIDES_OK;
 }
 
-/* A line of the header begins so; lines that begin with "% " are its. */
+/* 1 if a line of the header begins with `text`. The header's lines begin with "% ". */
 static int header_has(const td_event_probe *probe, const char *text) {
     const char *at = probe->head, *end = probe->head + probe->bytes;
     const size_t length = strlen(text);
@@ -78,7 +78,7 @@ tides_status td_event_format_detect(const char *path, const tides_event_reading 
         *format = td_event_formats[i];
         return TIDES_OK;
     }
-    if (how->columns && !memchr(probe.head, 0, probe.bytes)) { /* text, whose columns the caller knows */
+    if (how->columns && !memchr(probe.head, 0, probe.bytes)) { /* a text whose columns the caller gives */
         *format = &td_format_csv;
         return TIDES_OK;
     }
@@ -97,7 +97,7 @@ tides_status td_event_format_detect(const char *path, const tides_event_reading 
                    path);
 }
 
-/* Whether `endings` ("a b") holds the ending of `path`; a longer one is meant where both fit. */
+/* Length of the ending in `endings` ("a b") that `path` has, 0 for none; the longest match wins. */
 static size_t ending_fits(const char *path, const char *endings) {
     size_t longest = 0, length = strlen(path);
     while (endings && *endings) {
@@ -128,7 +128,7 @@ tides_status td_event_format_for(const char *path, const td_event_format **forma
     return TIDES_OK;
 }
 
-/* ---- what several formats need ---- */
+/* ---- helpers of several formats ---- */
 
 int td_event_microseconds(int64_t us, int64_t *ns) {
     if (us > INT64_MAX / 1000 || us < INT64_MIN / 1000) return 0;
@@ -140,7 +140,7 @@ void td_event_close_state(td_event_stream *stream) { free(stream->state); }
 
 void td_event_discard_state(td_event_sink *sink) { free(sink->state); }
 
-/* "1589163150.007461", or "-0.25": seconds of whole nanoseconds, without zeros at the end. */
+/* Seconds with up to nine decimals, without trailing zeros: "1589163150.007461", "-0.25". */
 static const char *seconds(int64_t ns, char text[40]) {
     const uint64_t size = ns < 0 ? 0 - (uint64_t)ns : (uint64_t)ns;
     int length = snprintf(text, 40, "%s%" PRIu64 ".%09" PRIu64, ns < 0 ? "-" : "", size / 1000000000, size % 1000000000);
@@ -149,10 +149,10 @@ static const char *seconds(int64_t ns, char text[40]) {
     return text;
 }
 
-/* [ns] Who begins further before a recording than it is long, and than this, doesn't mean its clock. */
+/* [ns] A start that is earlier than the recording by more than this, and by more than its length, is on another clock. */
 static const int64_t least_lead = 1000000000;
 
-/* Whether `start` lies that far before the stretch: subtracted as unsigned numbers, times may be anything. */
+/* 1 if `start` is earlier by that much. Times are subtracted as unsigned numbers, so that nothing overflows. */
 static int leads(int64_t first_ns, int64_t end_ns, int64_t start_ns) {
     const uint64_t lead = (uint64_t)first_ns - (uint64_t)start_ns, length = (uint64_t)end_ns - (uint64_t)first_ns;
     return start_ns != INT64_MIN && start_ns < first_ns && lead > length && lead > (uint64_t)least_lead;

@@ -1,5 +1,5 @@
-/* Where in an HDF5 file events lie: every group that holds columns of them, by any names that mean t, x, y and p, and every
- * table "events" of four columns. A file of two cameras has two such places: which is meant is for the caller to say. */
+/* Finds the events in an HDF5 file: every group with columns for t, x, y and p under any usual names, and every table
+ * "events" of four columns. A file with two cameras has two such places, and the caller chooses one. */
 #include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "td_columns.h"
@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* OBJECTS: of all groups together, whose links may lead back to themselves. */
+/* Limits for damaged or huge files. OBJECTS counts visits of all groups: links may form circles. */
 enum { DEPTH = 4, OBJECTS = 4096, PLACES = 16, NAMES = 1024 };
 
 typedef struct search {
@@ -34,7 +34,7 @@ static void add_table(search *s, const char *path) {
     snprintf(place->group, sizeof place->group, "%s", path);
 }
 
-/* The columns of a group, from their names, which stand one after the other as in a header. */
+/* Finds a group's columns from `names`, its dataset names in a row as in a text file's header. */
 static void add_group(search *s, const char *group, const char *names) {
     static const int fields[TD_H5_COLUMNS] =
         {[TD_H5_P] = TD_ROW_P, [TD_H5_T] = TD_ROW_T, [TD_H5_X] = TD_ROW_X, [TD_H5_Y] = TD_ROW_Y};
@@ -61,7 +61,7 @@ static void add_group(search *s, const char *group, const char *names) {
     s->count++;
 }
 
-/* A name that can stand in such a list; "t_ns" beside "t" is our own. */
+/* 1 if a name can stand in such a row. "t_ns" is left out if there is "t": it is TIDES's own exact time. */
 static int fits_list(hid_t group, const char *name, const char *names) {
     if (strpbrk(name, ",;\t\" ") || (strcmp(name, "t_ns") == 0 && H5Lexists(group, "t", H5P_DEFAULT) > 0)) return 0;
     return strlen(names) + strlen(name) + 2 < NAMES;
@@ -93,7 +93,7 @@ static void visit(search *s, hid_t file, const char *path, int depth) {
     if (names[0]) add_group(s, path, names);
 }
 
-/* "left" and "davis/left/events" name "/davis/left/events". */
+/* 1 if `stream` names the place: "left" and "davis/left/events" name "/davis/left/events". */
 static int is_named(const td_h5_place *place, const char *stream) {
     const size_t length = strlen(stream);
     for (const char *at = strstr(place->group, stream); length && at; at = strstr(at + 1, stream)) {

@@ -1,5 +1,4 @@
-/* Meaning of the columns of an HDF5 file of events, where its layout doesn't settle it: the order of a table's columns, and the
- * unit of times. */
+/* Finds out the order of a table's columns and the unit of its times, for HDF5 event files whose layout doesn't define them. */
 #include "td_base.h"
 #include "td_event_h5_source.h"
 #include "td_event_table.h"
@@ -10,7 +9,7 @@
 static const int fields[TD_H5_COLUMNS] =
     {[TD_H5_P] = TD_ROW_P, [TD_H5_T] = TD_ROW_T, [TD_H5_X] = TD_ROW_X, [TD_H5_Y] = TD_ROW_Y};
 
-/* The first values of a column; values that stand for -1 in an unsigned one count as -1. */
+/* Samples the first values of a column. In an unsigned column, the largest value counts as -1. */
 static herr_t sample(const td_event_source *source, const td_h5_column *c, td_table_column *facts, int *wrapped) {
     const size_t count = source->count < TD_TABLE_SAMPLE ? (size_t)source->count : TD_TABLE_SAMPLE;
     memset(facts, 0, sizeof *facts);
@@ -25,7 +24,7 @@ static herr_t sample(const td_event_source *source, const td_h5_column *c, td_ta
     return 0;
 }
 
-/* An unsigned column that has 1 and what -1 becomes there, but no 0, has -1 for OFF (v2e writes so). */
+/* Finds an unsigned column of polarities that holds 1 and the largest value, but no 0: there, v2e has written -1 for OFF. */
 static void find_wraps(td_event_source *source, char told[160]) {
     const td_h5_column *p = &source->columns[TD_H5_P];
     td_table_column facts;
@@ -52,7 +51,7 @@ static tides_status said_order(td_event_source *source, const char *columns, tid
                    source->path, columns);
 }
 
-/* By the caller's order, by values, or where values leave more than one order, by the layout's. */
+/* Finds the order of columns: the caller's, or the one that fits the values, or, if several fit, the layout's. */
 static tides_status find_order(td_event_source *source, const tides_event_reading *how, int known, char told[160],
                                tides_error *error) {
     td_table_column facts[TD_ROW_FIELDS];
@@ -63,7 +62,8 @@ static tides_status find_order(td_event_source *source, const tides_event_readin
     for (int c = 0; c < TD_ROW_FIELDS; c++) {
         td_h5_column one = source->columns[0];
         one.column = c;
-        if (sample(source, &one, &facts[c], NULL) < 0) return TIDES_OK; /* it is reported when it is read */
+        /* a read failure is reported when the events are read */
+        if (sample(source, &one, &facts[c], NULL) < 0) return TIDES_OK;
     }
     const int guessed = td_table_guess(facts, TD_ROW_FIELDS, &meaning, order, &reason) == TIDES_OK;
     if (!guessed && known) return TIDES_OK;
@@ -74,7 +74,8 @@ static tides_status find_order(td_event_source *source, const tides_event_readin
     return set_order(source, &meaning);
 }
 
-/* Places that anybody's files have, too: microseconds there are a guess. DSEC's has an index of milliseconds, RVT's a size. */
+/* 1 if the place has a name that other tools' files use, too, so that microseconds are only a guess. DSEC's files have an
+ * index of milliseconds, and RVT's the sensor's size. */
 static int is_common(const td_event_source *source) {
     const char *t = source->columns[TD_H5_T].name;
     if (strcmp(t, "/t") == 0) return 1;
@@ -82,7 +83,7 @@ static int is_common(const td_event_source *source) {
            !td_h5_exists(source->file, "/events/height");
 }
 
-/* "unit" or "units" of the times, as an attribute of theirs says; -1: none does, or none that is known. */
+/* The unit in the attribute "unit" or "units" of the times; -1 if there is none or it is unknown. */
 static int unit_of_attribute(const td_event_source *source) {
     static const char *const names[] = {"unit", "units", "time_unit"};
     for (int i = 0; i < 3; i++) {
@@ -96,7 +97,8 @@ static int unit_of_attribute(const td_event_source *source) {
     return -1;
 }
 
-/* `layout`: 1 where the place is a known layout's: whole numbers are microseconds there, however seldom events are. */
+/* Finds the unit of times. `layout` 1: the layout is known, and its whole numbers are microseconds, however rare the events
+ * are. */
 static tides_status find_unit(td_event_source *source, const tides_event_reading *how, int known, int layout, char told[160],
                               tides_error *error) {
     td_table_column facts;

@@ -10,8 +10,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A layout: the datasets of polarity, time, x, y, and where they are columns of a table, which. Times are integer
- * microseconds or real seconds (`real`; a table then holds nothing else). `mark` is there in this layout only. */
+/* A layout: the datasets of polarity, time, x, y; for columns of one table, also the column numbers. Times are integer
+ * microseconds, or seconds as floats if `real` (a table then has only floats). The dataset `mark` exists in this layout
+ * only. */
 typedef struct layout {
     const char *name, *mark, *datasets[TD_H5_COLUMNS];
     int32_t columns[TD_H5_COLUMNS], real;
@@ -19,10 +20,10 @@ typedef struct layout {
 
 enum {
     OWN = -1,
-    CACHE_SLOTS = 7 /* chunks of a dataset that HDF5 keeps: a prime, as its hash wants */
+    CACHE_SLOTS = 7 /* chunks of a dataset that HDF5 caches: a prime, for its hash */
 };
 
-/* Rows of the DSEC layout. The table has it twice, because our files have RVT's size of the sensor too, and RVT's no
+/* The DSEC layout comes twice in the table. TIDES's files also have RVT's size of the sensor, but RVT's own have no
  * t_offset. */
 #define DSEC_ROWS {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0
 
@@ -47,7 +48,7 @@ static const layout layouts[] = {
 
 enum { LAYOUTS = sizeof layouts / sizeof *layouts, DSEC = 2, V2E = LAYOUTS - 1 };
 
-/* A place that none of these names: what its columns and values say is all that is known. */
+/* Name of an unknown layout: its meaning is found from names and values of its columns. */
 static const char other[] = "hdf5";
 
 static int is_dsec(const layout *found) { return strcmp(found->name, layouts[DSEC].name) == 0; }
@@ -57,8 +58,8 @@ static int is_dsec(const layout *found) { return strcmp(found->name, layouts[DSE
 tides_status td_h5_open_file(const char *path, hid_t *file, tides_error *error) {
     if (access(path, R_OK) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     hid_t properties = td_h5_read_access();
-    /* Foreign chunks may be larger than HDF5's cache of 1 MB, and would then be unpacked for every block. Its slots are few: it
-     * keeps what it has room for, and files are read from their beginning to their end. */
+    /* Foreign chunks may exceed HDF5's default cache of 1 MB, and would be unpacked again for every block. Few slots are
+     * enough, because files are read from beginning to end. */
     if (properties >= 0) H5Pset_cache(properties, 0, CACHE_SLOTS, 32 << 20, 0.75);
     *file = properties < 0 ? -1 : H5Fopen(path, H5F_ACC_RDONLY, properties);
     td_h5_close(properties);
@@ -67,7 +68,7 @@ tides_status td_h5_open_file(const char *path, hid_t *file, tides_error *error) 
     return td_fail(error, TIDES_BAD_FILE, "%s: isn't a readable HDF5 file: %s", path, td_h5_reason_text(&reason));
 }
 
-/* No filter packs 64 kB of constants into less than a byte; a dataset without storage is only its fill value. */
+/* No filter packs 64 kB of constants into less than a byte. A dataset without any storage holds only its fill value. */
 tides_status td_h5_check_storage(const char *path, const char *name, hid_t dataset, uint64_t rows, size_t bytes,
                                  tides_error *error) {
     const uint64_t most = 65536;
@@ -99,8 +100,8 @@ static int is_dataset(hid_t file, const char *name) {
     return H5Oget_info_by_name2(file, name, &info, H5O_INFO_BASIC, H5P_DEFAULT) >= 0 && info.type == H5O_TYPE_DATASET;
 }
 
-/* Opens a dataset of integers (or h5py's booleans, an enumeration of bytes) that this HDF5 can decompress; of real numbers
- * only where the layout has them. */
+/* Opens a dataset of integers (or h5py's booleans, an enumeration of bytes) whose filters are available. Floating-point
+ * numbers are allowed only with `real`. */
 static tides_status open_column(td_event_source *source, td_h5_column *c, int real, tides_error *error) {
     c->dataset = H5Dopen2(source->file, c->name, H5P_DEFAULT);
     if (c->dataset < 0 && is_dataset(source->file, c->name))
@@ -151,7 +152,7 @@ static tides_status open_columns(td_event_source *source, const layout *found, t
     return TIDES_OK;
 }
 
-/* Columns of different length are damage, but for an unfinished file of ours: its writer may have died while they grew. */
+/* Columns of different length are damage, except in an unfinished file of TIDES: its writer may have died while they grew. */
 static tides_status check_rows(const td_event_source *source, tides_error *error) {
     int64_t stop = 0;
     int own = strcmp(source->format, TD_EVENT_FORMAT) == 0;
@@ -164,8 +165,8 @@ static tides_status check_rows(const td_event_source *source, tides_error *error
     return TIDES_OK;
 }
 
-/* Checks that the rows are stored. In an unfinished file of ours only `count` rows are valid: further rows may exist without
- * bytes. */
+/* Checks that all rows are stored. In an unfinished file of TIDES only `count` rows are valid; later rows may have no
+ * storage. */
 static tides_status check_storage(const td_event_source *source, tides_error *error) {
     const int own = strcmp(source->format, TD_EVENT_FORMAT) == 0;
     tides_status status = TIDES_OK;
@@ -176,7 +177,7 @@ static tides_status check_storage(const td_event_source *source, tides_error *er
 
 /* ---- facts ---- */
 
-/* Up to `most` integers of a small dataset or root attribute; how many there are, or 0. */
+/* Reads up to `most` integers of a small dataset or a root attribute; returns their number, or 0. */
 static int read_integers(hid_t file, const char *name, int attribute, int64_t *values, int most) {
     if (attribute ? H5Aexists(file, name) <= 0 : !td_h5_exists(file, name)) return 0;
     hid_t id = attribute ? H5Aopen(file, name, H5P_DEFAULT) : H5Dopen2(file, name, H5P_DEFAULT);
@@ -223,7 +224,7 @@ static tides_status read_offset(td_event_source *source, const layout *found, ti
     return td_fail(error, TIDES_BAD_FILE, "%s: /t_offset should be one integer", source->path);
 }
 
-/* Reads the facts in our own files. An unfinished one holds rows beyond its count that mean nothing. */
+/* Reads the facts in a file of TIDES. An unfinished one may hold rows beyond `count`, which are invalid. */
 static tides_status read_own_facts(td_event_source *source, tides_event_facts *facts, tides_error *error) {
     int64_t version = 0, count = 0;
     td_h5_read_text(source->file, "format", source->format, sizeof source->format);
@@ -252,7 +253,7 @@ static tides_status read_own_facts(td_event_source *source, tides_event_facts *f
 
 /* ---- opening ---- */
 
-/* v2e's table and the groups of others have the same name. */
+/* Finds the file's layout by its datasets. v2e's table and other layouts' group have the same name, so the type is checked. */
 static const layout *find_layout(hid_t file) {
     H5O_info_t info;
     for (const layout *l = layouts; l < layouts + LAYOUTS; l++) {
@@ -263,7 +264,7 @@ static const layout *find_layout(hid_t file) {
     return &layouts[DSEC];
 }
 
-/* The layout of the place where the events were found; `unknown` is filled where none has it there. */
+/* The layout of the place where events were found. If none matches, `unknown` is filled and returned. */
 static const layout *layout_of(const td_event_source *source, layout *unknown) {
     const layout *found = find_layout(source->file);
     const char *p = source->place.names[TD_H5_P];
@@ -278,8 +279,8 @@ static const layout *layout_of(const td_event_source *source, layout *unknown) {
     return unknown;
 }
 
-/* The layout's unit of time, as digits from it to nanoseconds, where its times are of the layout's type: whole microseconds, or
- * real seconds. */
+/* The layout's unit of time, as decimal digits from it to nanoseconds. -1 unless the times have the layout's type (integer or
+ * float). */
 static int known_digits(const td_event_source *source, const layout *found) {
     const int real = source->columns[TD_H5_T].real;
     if (strcmp(found->name, other) == 0) return -1;
@@ -287,7 +288,7 @@ static int known_digits(const td_event_source *source, const layout *found) {
     return td_h5_exists(source->file, "/t_offset") || source->format[0] ? 3 : -1;
 }
 
-/* Our own files say when the recording began, DSEC's what their times count from. */
+/* Sets the recording's zero: its start in files of TIDES, t_offset in DSEC's. */
 static void find_zero(const td_event_source *source, tides_event_facts *facts) {
     if (facts->start_ns == facts->stop_ns && !source->offset) return;
     facts->zero = TIDES_ZERO_START;

@@ -1,4 +1,4 @@
-/* Reads the events of HDF5 files, whatever their layout: columns of integers of any width, of real numbers, of booleans. */
+/* Reads the events of HDF5 files of any layout: columns of integers of any width, of floats, or of booleans. */
 #include "td_base.h"
 #include "td_event_h5_source.h"
 
@@ -38,7 +38,7 @@ static int64_t unit_of(const td_event_source *source) {
     return unit;
 }
 
-/* A stored value as an integer: times in nanoseconds, where they are real numbers. */
+/* Converts a stored value to an integer; a time in floats becomes nanoseconds. */
 static tides_status take_value(const td_event_source *source, int column, uint64_t row, int64_t stored, int64_t *out,
                                tides_error *error) {
     const td_h5_column *c = &source->columns[column];
@@ -58,7 +58,8 @@ static tides_status take_time(const td_event_source *source, uint64_t row, int64
     const td_h5_column *c = &source->columns[TD_H5_T];
     tides_status status = take_value(source, TD_H5_T, row, stored, ns, error);
     if (status != TIDES_OK || source->nanoseconds || c->real) return status;
-    const int64_t unit = unit_of(source), limit = INT64_MAX / (2 * unit); /* of each: neither sum nor product overflows */
+    /* for each term, so that neither their sum nor the product overflows */
+    const int64_t unit = unit_of(source), limit = INT64_MAX / (2 * unit);
     if (stored > limit || stored < -limit || source->offset > limit || source->offset < -limit)
         return bad_row(source, c, row, stored, "a time that, with t_offset, fits 64-bit nanoseconds", error);
     *ns = (stored + source->offset) * unit;
@@ -85,7 +86,7 @@ static tides_status take_row(const td_event_source *source, uint64_t row, const 
     return TIDES_OK;
 }
 
-/* `*got` of `count` rows: invalid ones may be left out, where a stream says so. */
+/* Converts `count` rows to `*got` events: fewer if the stream allows to leave out invalid ones. */
 static tides_status convert_rows(const td_event_source *source, td_event_stream *stream, uint64_t first, size_t count,
                                  tides_event *events, size_t *got, tides_error *error) {
     for (size_t i = 0; i < count; i++) {
@@ -105,7 +106,7 @@ tides_status td_h5_source_read(td_event_source *source, td_event_stream *stream,
     tides_status status = TIDES_OK;
     *got = 0;
     for (size_t done = 0; done < count && status == TIDES_OK;) {
-        /* Blocks end on chunk borders: a chunk is decompressed once. */
+        /* Blocks end on chunk borders, so that each chunk is decompressed only once. */
         size_t block = TD_EVENT_CHUNK - (size_t)((first + done) % TD_EVENT_CHUNK);
         if (block > count - done) block = count - done;
         for (int c = 0; c < TD_H5_COLUMNS && status == TIDES_OK; c++)
@@ -117,7 +118,7 @@ tides_status td_h5_source_read(td_event_source *source, td_event_stream *stream,
     return status;
 }
 
-/* ---- the format's side ---- */
+/* ---- functions of the format ---- */
 
 int td_h5_detect(const td_event_probe *probe) { return probe->bytes >= 8 && memcmp(probe->head, "\x89HDF\r\n\x1a\n", 8) == 0; }
 
@@ -135,7 +136,7 @@ tides_status td_h5_read_from(td_event_stream *stream, uint64_t first, size_t cou
     return td_h5_source_read(source, stream, first, count, events, got, error);
 }
 
-/* Reads the next events. A block may have none left, so it reads on: 0 events mean the end alone. */
+/* Reads the next events. If all events of a block are left out it reads on: 0 events only mean the end. */
 tides_status td_h5_read(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error) {
     td_event_source *source = stream->state;
     tides_status status = TIDES_OK;

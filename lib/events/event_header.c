@@ -1,5 +1,5 @@
-/* The text in front of Prophesee's binary files: lines that begin with '%'. Keys as openeb, faery and expelliarmus read
- * them. */
+/* The text header of Prophesee's binary files: lines that begin with '%', with the keys that openeb, faery and expelliarmus
+ * use. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -20,7 +20,7 @@ static void take_word(const char *text, char *out, size_t size) {
     out[length] = '\0';
 }
 
-/* "EVT3;height=720;width=1280", and "EVT21;endianness=legacy". */
+/* Parses a format line such as "EVT3;height=720;width=1280" or "EVT21;endianness=legacy". */
 static void parse_format(const char *text, td_event_header *header) {
     take_word(text, header->format, sizeof header->format);
     const char *height = strstr(text, "height="), *width = strstr(text, "width=");
@@ -44,8 +44,8 @@ static void parse_line(const char *line, td_event_header *header) {
     }
 }
 
-/* The header ends with "% end", or at the first line that doesn't begin with "% ". A line of the data can begin so too: then
- * it isn't printable text, or doesn't end. */
+/* Parses the header. It ends with "% end", or at the first line that doesn't begin with "% ". Binary data may begin with "%
+ * ", too, but then the line isn't printable text, or doesn't end. */
 void td_event_header_parse(const char *head, size_t bytes, td_event_header *header) {
     memset(header, 0, sizeof *header);
     while (header->bytes + 2 < bytes && memcmp(head + header->bytes, "% ", 2) == 0) {
@@ -56,7 +56,7 @@ void td_event_header_parse(const char *head, size_t bytes, td_event_header *head
         snprintf(text, sizeof text, "%.*s", (int)(length < sizeof text ? length : sizeof text - 1), line);
         parse_line(text, header);
         header->bytes += length + 1;
-        if (strcmp(text, "% end") == 0 || strcmp(text, "% end\r") == 0) return; /* "% endianness" isn't it */
+        if (strcmp(text, "% end") == 0 || strcmp(text, "% end\r") == 0) return; /* but not "% endianness" */
     }
 }
 
@@ -70,7 +70,8 @@ tides_status td_event_header_read(td_event_stream *stream, td_event_header *head
     return TIDES_OK;
 }
 
-/* openeb wants format and geometry, and that they agree. The date is fixed: the same events make the same bytes. */
+/* Writes format and geometry, which openeb needs both and in agreement. The date is fixed, so that equal events give equal
+ * bytes. */
 void td_event_header_write(td_event_sink *sink, const char *evt, const char *format) {
     char text[512];
     snprintf(text, sizeof text,

@@ -1,11 +1,11 @@
 /* Labels: columns beside the events of a file.
  *
  *   /events/cause     u1   TIDES_CAUSE_*
- *   /events/fired     i8   [ns] when the pixel fired; the readout made /events/t_ns of it
- *   /events/frontend  f4   [log units] tides_event_frontend
+ *   /events/fired     i8   [ns] when the pixel fired; the readout delays it to /events/t_ns
+ *   /events/frontend  f4   [log units] how far the front end moved the event (tides_event_frontend)
  *
- * A file that is opened with labels has all three from the beginning. Others have the first at most: it is made with the first
- * event that isn't the signal's, and what came before it reads as 0, the signal, without being stored. */
+ * A file opened with labels has all three from the start. Other files have `cause` at most: it is created at the first event
+ * that isn't from the signal. Earlier rows read as 0, the signal, and take no space. */
 #include "td_event_store.h"
 
 #include "archive/td_h5_driver.h"
@@ -23,7 +23,7 @@ static const char *name_of(int label) {
 
 double tides_event_frontend(const tides_event *event) { return td_float_bits(event->frontend, sizeof event->frontend); }
 
-/* Not tables: HDF5's predefined types are variables behind macros. */
+/* A function, since HDF5's predefined types are macros that read variables, and can't initialise a table. */
 static hid_t file_type(int label) {
     if (label == TD_LABEL_CAUSE) return H5T_STD_U8LE;
     return label == TD_LABEL_FIRED ? H5T_STD_I64LE : H5T_IEEE_F32LE;
@@ -48,7 +48,7 @@ herr_t td_event_labels_create(hid_t file, td_event_labels *labels) {
     return 0;
 }
 
-/* 1 where the column is to be stored from here on. */
+/* Copies a label into `out`; 1 if its column has to be stored from here on. */
 static int gather(int label, const tides_event *events, const int64_t *fired, size_t count, void *out) {
     uint8_t *cause = out;
     int64_t *t = out;
@@ -103,7 +103,7 @@ static tides_status damaged(const char *path, int label, tides_error *error) {
                    name_of(label) + 1);
 }
 
-/* One label into events or `fired`; 0 where it can't be one. */
+/* Copies one label into events or `fired`; 0 if a value is invalid. */
 static int scatter(int label, const void *values, size_t count, tides_event *events, int64_t *fired) {
     const uint8_t *cause = values;
     const int64_t *t = values;
@@ -117,7 +117,7 @@ static int scatter(int label, const void *values, size_t count, tides_event *eve
     return 1;
 }
 
-/* Rows of a column; a cause that is beyond its end is 0, the others have no end before the events'. */
+/* Reads rows of a label. Causes beyond the end of their column are 0; other labels have as many rows as events. */
 static tides_status read_label(hid_t dataset, int label, const char *path, uint64_t first, size_t count, tides_event *events,
                                int64_t *fired, tides_error *error) {
     hid_t space = H5Dget_space(dataset);

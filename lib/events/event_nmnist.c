@@ -1,5 +1,5 @@
-/* The files of N-MNIST and N-Caltech101, read (.bin): 5 bytes an event, x, y, polarity << 7 | time's bits 22 to 16, 15 to 8,
- * 7 to 0, in microseconds. Nothing in them says what they are: the ending, the size and rising times do. */
+/* Reads files of N-MNIST and N-Caltech101 (.bin). An event is 5 bytes: x, y, polarity << 7 | bits 22 to 16 of the time, bits
+ * 15 to 8, bits 7 to 0, in microseconds. There is no header: files are recognised by ending, size and rising times. */
 #include "td_event_format.h"
 
 #include <string.h>
@@ -20,7 +20,7 @@ static int detect_nmnist(const td_event_probe *probe) {
 static tides_status open_nmnist(td_event_stream *stream, tides_error *error) {
     (void)stream;
     (void)error;
-    return TIDES_OK; /* the sensor's size isn't given: 34 x 34 in one set, 233 x 173 in the other */
+    return TIDES_OK; /* the sensor's size is unknown: 34 x 34 or 233 x 173, by data set */
 }
 
 static tides_status read_nmnist(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got,

@@ -1,10 +1,11 @@
-/* Numpy's files, read: .npy with one structured array (tonic's dtype, Metavision's, whatever its fields are called) or one
- * table of four columns; .npz with one such array, or with one per column:
- *   keys t, x, y, p                        t in nanoseconds (rpg_vid2e, and what is written here), unless a pixel then had
- *                                          hundreds of events a second: microseconds
- *   the same, coordinates beyond 8191      HS-ERGB: coordinates are 1/32 px, t in microseconds
- *   keys x, y, timestamp, polarity, so     BS-ERGB: the same, and what lies left of or above the image wraps around 65536
- * HS-ERGB whose events all lie below 8192 / 32 px can't be told from the first: the format "ergb" says it. */
+/* Reads numpy's files. A .npy has one structured array (tonic's dtype, Metavision's, any names of fields) or a table of four
+ * columns. A .npz has one such array, or one array per column:
+ *   keys t, x, y, p                t in nanoseconds (rpg_vid2e, TIDES), unless a pixel then had hundreds of events a second:
+ *                                  microseconds
+ *   also, coordinates above 8191   HS-ERGB: coordinates are 1/32 px, t in microseconds
+ *   x, y, timestamp, polarity,     BS-ERGB: likewise; coordinates left of or above the image wrap around 65536
+ *   coordinates above 8191
+ * HS-ERGB files with all events below 8192 / 32 px look like the first kind: the format name "ergb" settles it. */
 #include "archive/td_npy.h"
 #include "archive/td_zip.h"
 #include "td_base.h"
@@ -17,15 +18,15 @@
 
 enum {
     FINE = 32,         /* steps per pixel of HS-ERGB and BS-ERGB */
-    FINE_WRAP = 65536, /* where BS-ERGB's unsigned coordinates wrap around */
-    BUSY = 300,        /* events of each pixel a second: no recording has as many all over the image */
-    JUDGED = 1000      /* events that show a rate */
+    FINE_WRAP = 65536, /* BS-ERGB's unsigned coordinates wrap around here */
+    BUSY = 300,        /* events per pixel and second that no recording has over the whole image */
+    JUDGED = 1000      /* events needed to judge a rate */
 };
 
 static const int fields[TD_NPY_COLUMNS] =
     {[TD_NPY_T] = TD_ROW_T, [TD_NPY_X] = TD_ROW_X, [TD_NPY_Y] = TD_ROW_Y, [TD_NPY_P] = TD_ROW_P};
 
-/* Value number i is number stride i + offset of the array. */
+/* Value number i is element number stride i + offset of the array. */
 typedef struct npy_column {
     const td_npy_array *array;
     const td_npy_field *field;
@@ -37,8 +38,8 @@ typedef struct npy_state {
     npy_column columns[TD_NPY_COLUMNS];
     size_t count, next;
     int32_t fine;   /* coordinates are 1/32 px */
-    int64_t limit;  /* of x and y beyond which they wrap; 0: none do */
-    int32_t digits; /* 10^digits [ns] are the unit of times; -1: not known yet */
+    int64_t limit;  /* x and y beyond it have wrapped; 0: none have */
+    int32_t digits; /* 10^digits [ns] is the unit of times; -1: not known yet */
 } npy_state;
 
 static int detect_npy(const td_event_probe *probe) { return probe->bytes >= 6 && memcmp(probe->head, "\x93NUMPY", 6) == 0; }
@@ -67,7 +68,7 @@ static int has_large(const npy_state *state) {
     return 0;
 }
 
-/* ---- which columns there are ---- */
+/* ---- columns ---- */
 
 static tides_status open_archive(td_event_stream *stream, tides_error *error) {
     npy_state *state = td_alloc(1, sizeof *state, error);
@@ -90,7 +91,7 @@ static void count_events(td_event_stream *stream, size_t count) {
     stream->facts.count = count;
 }
 
-/* Names that stand one after the other as in a header. */
+/* Appends a name to a list of names in a row, as in a text file's header. */
 static void add_name(char list[TD_TABLE_COLUMNS_MAX * TD_NPY_NAME_MAX], const char *name) {
     const size_t length = strlen(list);
     snprintf(list + length, TD_TABLE_COLUMNS_MAX * TD_NPY_NAME_MAX - length, "%s%s", length ? "," : "",
@@ -120,7 +121,7 @@ static tides_status open_structured(td_event_stream *stream, const td_npy_array 
     return TIDES_OK;
 }
 
-/* (N, 4): by the caller's order, or by values. */
+/* Opens a table (N, 4): columns in the caller's order, or found from the values. */
 static tides_status open_table(td_event_stream *stream, const td_npy_array *array, tides_error *error) {
     npy_state *state = stream->state;
     const char *said = stream->reading.columns;
@@ -180,7 +181,7 @@ static tides_status open_column(td_event_stream *stream, int column, const char 
     return TIDES_OK;
 }
 
-/* `*time` is what the archive calls its times. */
+/* Opens one array per column. `*time` is the name of the array of times. */
 static tides_status open_columns(td_event_stream *stream, const char **time, tides_error *error) {
     char list[TD_TABLE_COLUMNS_MAX * TD_NPY_NAME_MAX] = "";
     td_table_meaning meaning;
@@ -215,8 +216,8 @@ tides_status td_event_npz_is_fine(const char *path, int *fine, tides_error *erro
 
 /* ---- the unit of times ---- */
 
-/* Whole numbers called t: rpg_vid2e's and our nanoseconds, but others' microseconds, which would be as many events in a
- * thousandth of the time. */
+/* 1 if times are implausible as nanoseconds. Whole numbers called t are nanoseconds in rpg_vid2e's files and ours, but
+ * microseconds in others'. Taken for nanoseconds, those would give a thousand times the rate of events. */
 static int busy_as_nanoseconds(const npy_state *state) {
     double first = INFINITY, last = -INFINITY, right = 1, bottom = 1;
     for (size_t i = 0; i < state->count; i++) {
@@ -232,7 +233,7 @@ static int busy_as_nanoseconds(const npy_state *state) {
     return state->count >= JUDGED && last > first && (double)state->count > BUSY * right * bottom * 1e-9 * (last - first);
 }
 
-/* `whole`: of whole numbers without a unit; -1: as values can be meant. */
+/* Finds the unit. `whole`: digits of the unit of whole numbers; -1: found from the values. */
 static tides_status find_unit(td_event_stream *stream, int whole, tides_error *error) {
     npy_state *state = stream->state;
     const td_npy_field *field = state->columns[TD_NPY_T].field;
@@ -259,7 +260,8 @@ static tides_status open_npy(td_event_stream *stream, tides_error *error) {
     const npy_column *t = &((npy_state *)stream->state)->columns[TD_NPY_T];
     td_table_column facts;
     sample(t, ((npy_state *)stream->state)->count, &facts);
-    const int usual = t->stride == 1 && fabs(facts.most) < 1e17; /* tonic's and Metavision's: microseconds, however seldom */
+    /* tonic's and Metavision's arrays: microseconds, however rare the events */
+    const int usual = t->stride == 1 && fabs(facts.most) < 1e17;
     const int32_t said = ((npy_state *)stream->state)->digits >= 0 || stream->reading.unit;
     status = find_unit(stream, usual ? 3 : -1, error);
     if (status == TIDES_OK && usual && !said && t->field->kind != 'f')
@@ -270,7 +272,7 @@ static tides_status open_npy(td_event_stream *stream, tides_error *error) {
 static tides_status set_fine(td_event_stream *stream, const char *time, tides_error *error) {
     npy_state *state = stream->state;
     state->fine = 1;
-    /* Values of 16 bits in the upper fifth have wrapped: images are 970 px wide, 31040 in 1/32 px. */
+    /* Values in the upper fifth of 16 bits have wrapped: images are 970 px wide, which is 31040 in 1/32 px. */
     state->limit = strcmp(time, "timestamp") == 0 ? 52429 : 0;
     snprintf(stream->facts.format, sizeof stream->facts.format, "%s", state->limit ? "bs-ergb" : "hs-ergb");
     return find_unit(stream, 3, error);
@@ -282,7 +284,8 @@ static tides_status open_ergb(td_event_stream *stream, tides_error *error) {
     return status == TIDES_OK ? set_fine(stream, time, error) : status;
 }
 
-/* The types that td_format_npz writes, whose times are nanoseconds however dense events are; rpg_vid2e's others are. */
+/* 1 if the arrays have the types that TIDES writes; then times are nanoseconds, however dense the events. rpg_vid2e has other
+ * types. */
 static int is_ours(const npy_state *state) {
     static const char *const types[TD_NPY_COLUMNS] =
         {[TD_NPY_T] = "<i8", [TD_NPY_X] = "<u2", [TD_NPY_Y] = "<u2", [TD_NPY_P] = "|i1"};
@@ -315,7 +318,7 @@ static tides_status open_npz(td_event_stream *stream, tides_error *error) {
 
 /* ---- reading ---- */
 
-/* To the nearest pixel; a place beyond the first pixel is clipped to it. */
+/* Rounds a coordinate to the nearest pixel; places left of or above the first pixel are clipped to it. */
 static int take_coordinate(const npy_state *state, int column, size_t index, uint16_t *out) {
     double value;
     if (!stored(&state->columns[column], index, &value) || !(value >= -FINE_WRAP && value <= FINE_WRAP)) return 0;
@@ -394,7 +397,7 @@ const td_event_format td_format_npz = {
     .endings = ".npz",
     .summary = "numpy's arrays t [ns], x, y, p (rpg_vid2e); reads HS-ERGB and BS-ERGB too",
     .tick_ns = 1,
-    .size_limit = TD_TABLE_COORDINATE + 1, /* or it would be read as HS-ERGB */
+    .size_limit = TD_TABLE_COORDINATE + 1, /* larger coordinates would be read as HS-ERGB's */
     .library = 1,
     .takes = TD_TAKES_UNIT | TD_TAKES_COLUMNS,
     .detect = detect_npz,

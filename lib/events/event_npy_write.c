@@ -1,5 +1,5 @@
-/* Writes events as numpy arrays. A .npy has one structured array. A .npz has one array per column, one after the other, so
- * that its events are kept in a temporary file, the spool, until the last one is there. */
+/* Writes events as numpy arrays. A .npy has one structured array. A .npz has one array per column, written one after the
+ * other, so its events wait in a temporary file, the spool, until the last event is known. */
 #include "archive/td_npy.h"
 #include "td_base.h"
 #include "td_endian.h"

@@ -1,5 +1,5 @@
-/* Reading event files of any format, behind tides_event_reader: what is the same for all of them: order, bounds, blocks. The
- * bytes are each format's own. */
+/* Reads event files of any format: checks order and bounds, applies the options for times, and hands out blocks. Each format
+ * decodes its own bytes. */
 #include "td_event_format.h"
 #include "td_event_h5.h"
 #include "td_folder.h"
@@ -10,16 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 4096 }; /* events that a format is asked for at once; every format can give 32 into less */
+enum { BATCH = 4096 }; /* events requested from a format at once; a format may need room for 32 */
 
 struct tides_event_reader {
     const td_event_format *format;
     td_event_stream stream;
-    char *texts[3]; /* our copies of what the reading names: columns, unit, stream */
+    char *texts[3]; /* copies of the options' texts: columns, unit, stream */
     int64_t shift;  /* [ns] added to all times, once `placed` */
     int32_t placed;
-    tides_error failure; /* the first: reported again by every later call */
-    size_t held, taken;  /* events in batch; handed out */
+    tides_error failure; /* the first failure, repeated by every later call */
+    size_t held, taken;  /* events in batch; events handed out of it */
     tides_event batch[BATCH];
 };
 
@@ -73,7 +73,7 @@ static tides_status open_stream(tides_event_reader *reader, const char *path, ti
 
 void tides_event_reading_defaults(tides_event_reading *reading) { *reading = (tides_event_reading){.size = sizeof *reading}; }
 
-/* The reading's texts are the caller's, and a folder asks for them until its last file. */
+/* Copies the options' texts, which the caller may free: a folder uses them until its last file. */
 static tides_status keep_reading(tides_event_reader *reader, const tides_event_reading *given, tides_error *error) {
     tides_event_reading *how = &reader->stream.reading;
     tides_event_reading_defaults(how);
@@ -101,7 +101,7 @@ tides_status tides_event_reader_open_as(const char *path, const tides_event_read
     char *kept = status == TIDES_OK ? td_strdup(path, error) : NULL;
     if (status == TIDES_OK) status = kept ? open_stream(made, kept, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) {
-        made->stream.reading.format = NULL; /* the caller's, and no longer asked for */
+        made->stream.reading.format = NULL; /* the caller's text, not needed any more */
         *reader = made;
         return TIDES_OK;
     }
@@ -129,18 +129,18 @@ void tides_event_reader_close(tides_event_reader *reader) {
         td_input_close(&reader->stream.input);
     }
     for (int i = 0; i < 3; i++) free(reader->texts[i]);
-    free((char *)(uintptr_t)path); /* our copy */
+    free((char *)(uintptr_t)path); /* a copy made here */
     free(reader);
 }
 
-/* Adds two times; 0 where 64 bits don't hold them. */
+/* Adds two times; 0 if the sum overflows 64 bits. */
 static int add_time(int64_t a, int64_t b, int64_t *sum) {
     if (b > 0 ? a > INT64_MAX - b : a < INT64_MIN - b) return 0;
     *sum = a + b;
     return 1;
 }
 
-/* The shift to be added to the file's times; returns 0 where 64 bits don't hold it. */
+/* Finds the shift for the file's times; 0 if it overflows 64 bits. */
 static int find_shift(const td_event_stream *stream, int64_t *shift) {
     const tides_event_reading *how = &stream->reading;
     if (how->rebase && stream->facts.zero_ns == INT64_MIN) return 0;
@@ -159,8 +159,8 @@ void tides_event_reader_facts(const tides_event_reader *reader, tides_event_fact
 
 /* ---- reading ---- */
 
-/* Formats give what they find; whether it fits the sensor that the file itself names is the same question for all. `*good`
- * events come before the first that doesn't, unless such are left out. */
+/* Checks that events fit the sensor's size in the file. `*good` events precede the first that doesn't fit; or all that fit,
+ * if others are left out. */
 static tides_status check_batch(tides_event_reader *reader, size_t count, size_t *good, tides_error *error) {
     td_event_stream *stream = &reader->stream;
     const tides_event_facts *facts = &stream->facts;
@@ -181,7 +181,8 @@ static tides_status check_batch(tides_event_reader *reader, size_t count, size_t
     return status;
 }
 
-/* The first event, or the first frame of a list beside it, where both are of one clock: that begins within a second. */
+/* Sets the zero to the first event; or to the first frame in a list beside the file, if that begins within a second of it,
+ * and so has the same clock. */
 static void find_zero(tides_event_facts *facts, const char *path, int64_t first) {
     int64_t frame;
     facts->zero_ns = first;
@@ -191,7 +192,7 @@ static void find_zero(tides_event_facts *facts, const char *path, int64_t first)
     facts->zero_ns = frame;
 }
 
-/* To the clock that was asked for: the first event is known now, if that is the zero. */
+/* Shifts times to the requested clock. If that counts from the first event, its time is known now. */
 static tides_status place(tides_event_reader *reader, size_t count, tides_error *error) {
     td_event_stream *stream = &reader->stream;
     int fits = 1;
@@ -205,7 +206,7 @@ static tides_status place(tides_event_reader *reader, size_t count, tides_error 
     return fits ? TIDES_OK : td_fail(error, TIDES_BAD_FILE, "%s: spans more than 292 years", stream->input.path);
 }
 
-/* The format's next events; where it fails, the events before the failure are given too. */
+/* Asks the format for its next events. If it fails, the events before the failure are still given. */
 static tides_status ask_format(tides_event_reader *reader, size_t *got, tides_error *error) {
     td_h5_quiet quiet;
     if (reader->format->library) td_h5_quiet_begin(&quiet);
@@ -214,7 +215,7 @@ static tides_status ask_format(tides_event_reader *reader, size_t *got, tides_er
     return status;
 }
 
-/* Events before a failure are handed out first. Batches of which nothing is left aren't the end. */
+/* Fills the batch. Events before a failure are handed out first. If all events of a batch are left out, it reads on. */
 static void fill_batch(tides_event_reader *reader) {
     size_t got = 0, good = 0;
     tides_status status = TIDES_OK;
@@ -288,7 +289,7 @@ tides_status tides_event_reader_summary(tides_event_reader *reader, tides_event_
     tides_event_summary made = {0};
     tides_status status = summarise(reader, &made, error);
     if (status != TIDES_OK) return status;
-    const tides_event_facts *facts = &reader->stream.facts; /* some formats know the size only once they are read */
+    const tides_event_facts *facts = &reader->stream.facts; /* some formats know the size only after reading all */
     made.width = facts->width;
     made.height = facts->height;
     made.labels = facts->labels;
@@ -307,7 +308,7 @@ tides_status tides_events_summary(const char *path, tides_event_summary *summary
     return status;
 }
 
-/* From the beginning on, in whole. */
+/* Reads from the beginning, for formats that can't seek. */
 static tides_status read_on(tides_event_reader *reader, uint64_t first, size_t count, tides_event *events, size_t *got,
                             tides_error *error) {
     tides_event passed[1024];

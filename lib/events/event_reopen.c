@@ -1,8 +1,8 @@
-/* Opening the .part of an interrupted run, or the copy of a finished one, to go on with it.
+/* Reopens the .part of an interrupted run, or a copy of a finished file, to continue it.
  *
- * It is cut back to whole chunks, so that no chunk is ever written twice (event_store.c), in an order that lets the process die
- * at any moment and the file stay readable: first `count` goes down, and only then the rows beyond it are given up; freed space
- * isn't used again before that is in the file. */
+ * The file is cut back to whole chunks, so that no chunk is ever written twice. The file must stay readable if the process
+ * dies at any moment. So first the attribute `count` is lowered, and only then are later rows freed. Freed space isn't reused
+ * before the file records that it is free. */
 #include "td_event_store.h"
 #include "td_event_truth.h"
 
@@ -19,7 +19,7 @@ static tides_status fail_reopen(const td_event_store *store, const char *path, c
     return td_fail(error, TIDES_BAD_FILE, "%s: %s: %s; simulate from the beginning", path, what, text);
 }
 
-/* ---- what is there ---- */
+/* ---- the existing file ---- */
 
 static tides_status check_facts(const td_event_store *store, const char *path, const tides_event_file *facts,
                                 tides_error *error) {
@@ -89,9 +89,9 @@ static tides_status open_all(td_event_store *store, const char *path, uint64_t r
 
 enum { GAP = 4096 }; /* bytes */
 
-/* HDF5 takes the end of the file from its superblock. Data that a process wrote just before it died may lie beyond: new data
- * goes behind that too. And behind a gap, so that nothing that is freed ends where the file ends: HDF5 would cut the file short
- * before the superblock says so, and a death in between would leave a file that can't be opened. */
+/* Makes new data start behind everything in the file. HDF5 takes the end of the file from its superblock, but a killed
+ * process may have written data beyond it. A gap is left as well: if freed space touched the end, HDF5 would shorten the file
+ * before its superblock says so. A death in between would leave a file that can't be opened. */
 static herr_t keep_clear_of_leftovers(hid_t file) {
 #if H5_VERSION_GE(1, 10, 2)
     if (td_event_claim_space(file, 2 * GAP) != 0) return -1;
@@ -102,9 +102,9 @@ static herr_t keep_clear_of_leftovers(hid_t file) {
 #endif
 }
 
-/* 1 where the attribute is there and holds another text: that of a run whose stop was moved. */
+/* 1 if the attribute exists and has another text: the run file of a run with another stop. */
 static int is_other_text(hid_t file, const char *name, const char *text) {
-    size_t size = text ? strlen(text) + 2 : 0; /* room to see that the file's is longer */
+    size_t size = text ? strlen(text) + 2 : 0; /* room to see that the file's text is longer */
     char *found = text ? td_alloc(size, 1, NULL) : NULL;
     int other = found && td_h5_read_text(file, name, found, size) && strcmp(found, text) != 0;
     free(found);
@@ -116,7 +116,7 @@ static herr_t replace_text(hid_t file, const char *name, const char *text) {
     return td_h5_remove_text(file, name) < 0 ? -1 : td_h5_write_text(file, name, text);
 }
 
-/* Columns of ground truth are of a finished file's events, and would be short of those that follow. */
+/* Removes columns of ground truth: they belong to a finished file, and would lack the events that follow. */
 static herr_t drop_truth(hid_t file) {
     for (int c = 0; c < TD_EVENT_TRUTHS; c++)
         if (H5Lexists(file, td_event_truth_columns[c], H5P_DEFAULT) > 0 &&
@@ -139,7 +139,7 @@ static herr_t cut_back(td_event_store *store, const tides_event_file *facts, uin
     return H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 || store->failed ? -1 : 0;
 }
 
-/* A chunk that isn't there would be read as zeros. */
+/* 1 if all chunks of the rows exist. HDF5 would read a missing one as zeros. */
 static int has_chunks(hid_t dataset, uint64_t rows) {
 #if H5_VERSION_GE(1, 10, 5)
     hsize_t chunks = 0;
@@ -153,7 +153,7 @@ static int has_chunks(hid_t dataset, uint64_t rows) {
 #endif
 }
 
-/* Causes begin with the first that isn't the signal's: of them chunks may be absent. */
+/* Checks that no chunk is missing. Causes are stored only from the first that isn't the signal's, so theirs may be missing. */
 static tides_status check_chunks(const td_event_store *store, const char *path, tides_error *error) {
     int whole = 1;
     for (int c = 0; c < TD_COLUMNS && whole; c++)
@@ -167,7 +167,7 @@ static tides_status check_chunks(const td_event_store *store, const char *path, 
 
 /* ---- the index ---- */
 
-/* How much of the index stays: whole chunks, of milliseconds that kept events have begun. */
+/* Decides how much of the index stays: whole chunks, for milliseconds that began before the last kept event. */
 static herr_t choose_index(td_event_store *store, uint64_t rows) {
     int64_t last = 0, after = 0;
     if (td_h5_read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, rows - 1, 1, &last) < 0) return -1;
@@ -179,7 +179,7 @@ static herr_t choose_index(td_event_store *store, uint64_t rows) {
     return 0;
 }
 
-/* Entries after the last whole chunk were waiting in memory, and are found again from the events. */
+/* Index entries behind the last whole chunk were only in memory: they are computed again from the events. */
 static herr_t rebuild_index(td_event_store *store) {
     uint64_t row = 0;
     int64_t *t = store->scratch, after = 0;
@@ -187,7 +187,7 @@ static herr_t rebuild_index(td_event_store *store) {
         return -1;
     if (row > store->rows) return -1;
     while (row < store->rows) {
-        uint64_t block = TD_EVENT_CHUNK - row % TD_EVENT_CHUNK; /* to a chunk's border: it is decompressed once */
+        uint64_t block = TD_EVENT_CHUNK - row % TD_EVENT_CHUNK; /* up to a chunk's border, so that it is decompressed once */
         if (td_h5_read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, row, (size_t)block, t) < 0) return -1;
         for (uint64_t i = 0; i < block; i++)
             if (!td_event_after(t[i], store->offset, &after) || td_event_store_index(store, t[i], row + i) < 0) return -1;
@@ -214,8 +214,8 @@ static tides_status reopen(td_event_store *store, const char *path, const tides_
     return status;
 }
 
-/* Where nothing of the .part is kept a new one takes its place, whole: a death while the first chunk was put into it may have
- * left datasets that speak of B-trees that aren't on the disk. */
+/* Replaces the .part by a new file, if none of its events is kept. A process that died while it wrote the first chunk may
+ * have left datasets that refer to B-trees missing on the disk. */
 static tides_status begin_anew(td_event_store *store, const char *path, const tides_event_file *facts, tides_error *error) {
     char *part = NULL;
     td_event_store old;

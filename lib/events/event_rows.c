@@ -1,5 +1,4 @@
-/* Parts that text formats of event files share once their columns are known (event_rows_open.c): lines, words, numbers, and
- * errors that name the line. */
+/* Reads the rows of text event files whose columns are known: lines, words, numbers, and errors that name the line. */
 #include "td_event_rows.h"
 
 #include "td_base.h"
@@ -48,7 +47,7 @@ static int take_word(const char *word, int64_t *polarity) {
     return 0;
 }
 
-/* As many decimals as 64 bits hold: of seconds nine. */
+/* Reads a number. Decimals count as far as 64 bits hold them: nine for seconds. */
 int td_event_value(const char *word, double *value, int *decimals) {
     static const struct {
         int digits;
@@ -78,7 +77,7 @@ static tides_status bad_field(const td_event_stream *stream, const td_event_rows
                    (unsigned long long)rows->line, field, word, want);
 }
 
-/* One event of a line; fails with the line's number and what is wrong. */
+/* Parses a line into an event; the error has the line's number and the fault. */
 static tides_status parse(const td_event_stream *stream, const td_event_rows *rows, char *line, tides_event *event,
                           tides_error *error) {
     char *words[TD_TABLE_COLUMNS_MAX];

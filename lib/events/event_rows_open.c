@@ -1,5 +1,5 @@
-/* Opening text files of events: the lines before the events (comments, a header, a sensor's size), the separator, the columns'
- * meaning, and the unit of times. Where neither the file nor the caller gives these, event_table.c decides. */
+/* Opens text event files: reads the lines before the events (comments, header, sensor's size), and finds separator, meaning
+ * of the columns, and unit of times. If neither the file nor the caller gives the meaning, it is found from the values. */
 #include "td_event_rows.h"
 
 #include "td_base.h"
@@ -10,13 +10,13 @@ static const char geometry[] = "%geometry:";
 
 /* ---- looking ahead ---- */
 
-/* Lines of a text in memory, one after the other; any of LF, CR LF and CR ends them. */
+/* A text in memory, read line by line; LF, CR LF and CR end a line. */
 typedef struct scan {
     const char *at, *end;
-    int whole; /* the text ends at `end`: else the last line may be cut */
+    int whole; /* 1: the text ends at `end`; 0: the last line may be incomplete */
 } scan;
 
-/* The next line, copied without its end; 0 where there is none, or a longer one than any of an event file. */
+/* Copies the next line without its end; 0 if there is none, or it is longer than a line of an event file can be. */
 static int next_line(scan *s, char line[TD_ROW_LINE]) {
     const char *stop = s->at;
     while (stop < s->end && *stop != '\n' && *stop != '\r') stop++;
@@ -29,10 +29,10 @@ static int next_line(scan *s, char line[TD_ROW_LINE]) {
 }
 
 static char separator_of(const char *line) {
-    return strchr(line, ';') ? ';' : strchr(line, ',') ? ',' : ' '; /* commas beside semicolons are decimal points */
+    return strchr(line, ';') ? ';' : strchr(line, ',') ? ',' : ' '; /* in a text with semicolons, commas are decimal points */
 }
 
-/* The number of a line's columns where all of them are numbers, which are added to `facts` (nullable); else 0. */
+/* The number of columns in a line of numbers only, which are added to `facts` (may be NULL); 0 if a column is no number. */
 static int number_columns(char *line, char separator, td_table_column *facts) {
     char *words[TD_TABLE_COLUMNS_MAX];
     double values[TD_TABLE_COLUMNS_MAX];
@@ -44,7 +44,7 @@ static int number_columns(char *line, char separator, td_table_column *facts) {
     return count;
 }
 
-/* Takes facts of the columns from the rows from here on that have as many columns as the first one; returns that number. */
+/* Samples the next rows, as long as they have as many columns as the first one; returns that number. */
 static int take_sample(scan s, char separator, td_table_column facts[TD_TABLE_COLUMNS_MAX]) {
     char line[TD_ROW_LINE], copy[TD_ROW_LINE];
     int columns = 0;
@@ -53,16 +53,16 @@ static int take_sample(scan s, char separator, td_table_column facts[TD_TABLE_CO
         if (td_event_is_aside(line)) continue;
         memcpy(copy, line, sizeof copy);
         const int count = number_columns(copy, separator, NULL);
-        if (count == 0 || (columns && count != columns)) continue; /* its turn to be refused comes when it is read */
+        if (count == 0 || (columns && count != columns)) continue; /* such a row is refused when it is read */
         columns = number_columns(line, separator, facts);
         rows++;
     }
     return columns;
 }
 
-/* ---- what a file is ---- */
+/* ---- kind of file ---- */
 
-/* Numbers in rows are events where there are four of them, or where more can only be meant so. */
+/* Rows of four numbers are taken for events; rows with more numbers if their values fit no other meaning. */
 static int rows_kind(scan s, char separator, int columns) {
     td_table_column facts[TD_TABLE_COLUMNS_MAX];
     td_table_meaning meaning;
@@ -73,7 +73,7 @@ static int rows_kind(scan s, char separator, int columns) {
     return columns < TD_ROW_FIELDS ? TD_TEXT_NONE : separator == ' ' ? TD_TEXT_BLANKS : TD_TEXT_COMMAS;
 }
 
-/* Two numbers, and then nothing or an event. */
+/* 1 if the text begins with two numbers (the sensor's size), followed by an event or nothing. */
 static int is_sized(scan s, char separator) {
     char line[TD_ROW_LINE];
     while (next_line(&s, line))
@@ -108,7 +108,7 @@ int td_event_text_kind(const td_event_probe *probe) {
     return TD_TEXT_NONE;
 }
 
-/* The next line that is no comment. */
+/* The next line that isn't a comment. */
 static int next_row(scan *s, char line[TD_ROW_LINE]) {
     int there;
     while ((there = next_line(s, line)) && td_event_is_aside(line)) continue;
@@ -141,11 +141,11 @@ tides_status td_event_text_refuse(const td_event_probe *probe, tides_error *erro
     return td_fail(error, TIDES_BAD_FILE, "%s: %s", probe->path, reason.text);
 }
 
-/* ---- what stands before the events ---- */
+/* ---- lines before the events ---- */
 
 typedef struct front {
     td_columns named;
-    int has_names, in_comment; /* in_comment: which may be prose */
+    int has_names, in_comment; /* in_comment: the names came from a comment, which may be prose */
 } front;
 
 static void set_size(td_event_stream *stream, int64_t width, int64_t height) {
@@ -163,7 +163,8 @@ static tides_status take_size(td_event_stream *stream, char *text, char separato
     return TIDES_OK;
 }
 
-/* A header names events' columns. A comment may do so; any other line of words needs an explanation by the caller. */
+/* Takes a line of words as a header if it names events' columns. A comment may be any prose; any other line of unknown words
+ * is an error that asks for the columns. */
 static tides_status take_names(td_event_stream *stream, const char *line, front *f, int *taken, tides_error *error) {
     td_columns named;
     td_table_meaning meaning;
@@ -183,7 +184,7 @@ static tides_status take_names(td_event_stream *stream, const char *line, front 
     return td_fail(error, TIDES_BAD_FILE, "%s: its header %s", stream->input.path, reason.text);
 }
 
-/* Passes over what comes before the first event, whose line stays unread. */
+/* Reads the lines before the first event, whose line stays unread. */
 static tides_status take_front(td_event_stream *stream, td_event_rows *rows, front *f, tides_error *error) {
     td_event_input *input = &stream->input;
     int sized = rows->sized;
@@ -208,7 +209,7 @@ static tides_status take_front(td_event_stream *stream, td_event_rows *rows, fro
     }
 }
 
-/* ---- what the columns are ---- */
+/* ---- meaning of columns ---- */
 
 static void tell(td_event_stream *stream, const char *format, const char *one, const char *two) {
     char *text = stream->facts.read_as;
@@ -223,7 +224,7 @@ static tides_status fail_front(const td_event_stream *stream, tides_status statu
     return td_fail(error, status, "%s: %s%s", stream->input.path, who, told.text);
 }
 
-/* Somebody's list, the header, a format that was named, or the values. */
+/* Finds the columns: from the caller's list, the header, a format given by name, or the values. */
 static tides_status find_columns(td_event_stream *stream, td_event_rows *rows, const front *f, const td_table_column *facts,
                                  tides_error *error) {
     td_columns list;
@@ -243,7 +244,7 @@ static tides_status find_columns(td_event_stream *stream, td_event_rows *rows, c
         rows->columns = f->named.count;
         return status == TIDES_OK ? status : fail_front(stream, status, "its header ", error);
     }
-    if (rows->by_order || rows->columns == 0) return TIDES_OK; /* without rows there is nothing to tell apart */
+    if (rows->by_order || rows->columns == 0) return TIDES_OK; /* an empty file has nothing to find out */
     tides_status status = td_table_guess(facts, rows->columns, &rows->meaning, order, error);
     if (status != TIDES_OK) return fail_front(stream, status, "", error);
     const int usual = rows->columns == TD_ROW_FIELDS && strcmp(order, rows->separator == ' ' ? "t x y p" : "x y p t") == 0;
@@ -252,13 +253,13 @@ static tides_status find_columns(td_event_stream *stream, td_event_rows *rows, c
     return TIDES_OK;
 }
 
-/* Faery's header has sizes, Prophesee's a geometry: whole numbers are microseconds there. */
+/* 1 for faery's header, which has sizes, or Prophesee's, which has a geometry: their whole numbers are microseconds. */
 static int is_dialect(const td_event_rows *rows, const front *f) {
     if (!f->has_names) return rows->by_order;
     return f->named.column[rows->meaning.column[TD_ROW_X]].size > 0;
 }
 
-/* Said, of a format that was named or is a dialect, or as values can be meant. */
+/* Finds the unit of times: given, or defined by a named format or a dialect, or found from the values. */
 static tides_status find_unit(td_event_stream *stream, td_event_rows *rows, const front *f, const td_table_column *facts,
                               int fixed, tides_error *error) {
     td_table_meaning *m = &rows->meaning;

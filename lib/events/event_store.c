@@ -1,12 +1,12 @@
-/* The HDF5 side of an event file being written.
+/* Writes the HDF5 datasets of an event file.
  *
- * Three rules keep a .part readable whenever the process dies:
- *   - between two flushes nothing reaches the file but new chunks in fresh space: whole chunks are written once and never
- *     again (only the last, at the end, is partial), and the metadata cache may not evict;
- *   - a flush has two steps. The first writes chunks and metadata; only then the second sets the attribute `count`. Readers
- *     take `count` events, so a death between the steps costs nothing but the chunk in flight;
- *   - space is claimed before HDF5 starts to write. A disk that is full is so noticed while nothing in the file has changed;
- *     HDF5 itself would go on and write metadata about chunks that aren't there. */
+ * Three rules keep a .part readable if the process dies at any time:
+ *   - Between two flushes only new chunks in fresh space reach the file. Whole chunks are written once (only the last one, at
+ *     the end, is partial), and the metadata cache may not evict entries.
+ *   - A flush has two steps: it writes chunks and metadata, and then sets the attribute `count`. Readers take `count` events,
+ *     so a death between the steps loses only the newest chunk.
+ *   - Space is claimed before HDF5 writes. So a full disk is noticed while the file is unchanged; HDF5 itself would go on,
+ *     and write metadata about missing chunks. */
 #include "td_event_store.h"
 
 #include "archive/td_h5_driver.h"
@@ -23,7 +23,7 @@ const char *td_event_column_name(int column) {
     return names[column];
 }
 
-/* Not a table: HDF5's predefined types are variables behind macros. */
+/* A function, since HDF5's predefined types are macros that read variables, and can't initialise a table. */
 static hid_t column_file_type(int column) {
     switch (column) {
         case TD_COLUMN_P: return H5T_STD_U8LE;
@@ -55,7 +55,7 @@ static void gather_column(int column, int64_t offset, const tides_event *events,
             break;
         case TD_COLUMN_T:
             for (size_t i = 0; i < count; i++)
-                t[i] = (uint32_t)((events[i].t - 1000 * offset) / 1000); /* floor: it is not negative */
+                t[i] = (uint32_t)((events[i].t - 1000 * offset) / 1000); /* rounds down: the difference isn't negative */
             break;
         case TD_COLUMN_X:
             for (size_t i = 0; i < count; i++) xy[i] = events[i].x;
@@ -83,8 +83,8 @@ static herr_t create_datasets(td_event_store *store) {
     return store->index < 0 ? -1 : 0;
 }
 
-/* DSEC's t_offset is a scalar dataset, and so is the sensor's size where RVT looks for it. The offset is 0 where that will do:
- * one beyond 2^32 (DSEC's own are) makes DSEC's reader fail under NumPy 2, which doesn't add such a number to 32-bit ones. */
+/* Creates a scalar dataset: DSEC's t_offset, or the sensor's size for RVT. t_offset is 0 whenever possible: DSEC's reader
+ * adds it to 32-bit times, and NumPy 2 fails at that if it exceeds 2^32 (as in DSEC's own files). */
 static herr_t create_scalar(hid_t file, const char *name, hid_t type, int64_t value) {
     hid_t creation = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate(H5S_SCALAR), dataset = -1;
     if (creation >= 0 && space >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
@@ -113,7 +113,8 @@ static herr_t create_attributes(td_event_store *store, const tides_event_file *f
     return store->count < 0 || store->stop < 0 ? -1 : 0;
 }
 
-/* HDF5 locks a file only after it has emptied it: two runs that write the same file would ruin each other. */
+/* Locks the file for the check. HDF5 itself locks a file only after it has emptied it: two runs with one output would ruin
+ * each other. */
 tides_status td_event_store_claim(const char *path, int create, tides_error *error) {
     int descriptor = td_open_own(path, create);
     if (descriptor < 0 && errno == ENOENT && !create)
@@ -121,7 +122,7 @@ tides_status td_event_store_claim(const char *path, int create, tides_error *err
     if (descriptor < 0)
         return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be %s: %s", path, create ? "created" : "written", strerror(errno));
     const int in_use = td_lock_alone(descriptor);
-    close(descriptor); /* and unlocks */
+    close(descriptor); /* this also unlocks it */
     if (!in_use) return TIDES_OK;
     return td_fail(error, TIDES_WRITE_FAILED, "%s: is being written by another run: wait for it, or name another file", path);
 }
@@ -139,7 +140,7 @@ static herr_t create_all(td_event_store *store, const char *path, const tides_ev
     return H5Fflush(store->file, H5F_SCOPE_LOCAL);
 }
 
-/* HDF5 doesn't know of what failed to be written (archive/td_h5_driver.h). */
+/* The reason of a failure. HDF5 doesn't know of failed writes: the file driver hides them, and keeps errno. */
 static const char *reason_of(const td_event_store *store, td_h5_reason *reason) {
     return store->failed ? strerror(store->failed) : td_h5_reason_text(reason);
 }
@@ -170,7 +171,7 @@ tides_status td_event_store_create(td_event_store *store, const char *path, cons
     if (create_all(store, path, facts) >= 0 && !store->failed) return TIDES_OK;
     td_h5_reason reason;
     td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, reason_of(store, &reason));
-    if (store->failed != EBUSY) unlink(path); /* a shell without datasets is no use to anyone; while it is still ours alone */
+    if (store->failed != EBUSY) unlink(path); /* without datasets the file is useless; the lock is still ours */
     td_event_store_drop(store);
     return TIDES_WRITE_FAILED;
 }
@@ -185,17 +186,16 @@ int td_event_claim_space(hid_t file, uint64_t bytes) {
     return failed == EINVAL || failed == EOPNOTSUPP || failed == ENOSYS ? 0 : failed;
 }
 
-/* Gives back what was claimed and not used. It is only space: a failure here costs nothing. */
+/* Frees claimed space that wasn't used. A failure here only wastes space. */
 static void release_space(hid_t file) {
     hsize_t size = 0;
     int descriptor = td_h5_descriptor(file);
     if (descriptor >= 0 && H5Fget_filesize(file, &size) >= 0 && ftruncate(descriptor, (off_t)size) != 0) return;
 }
 
-/* Space that `events` events and `entries` index entries may need. The sum has three parts: raw sizes, to which deflate may add
- * 5 bytes per 16 kB; a hundredth of the zeros that fill the last chunk up, their size after deflate; and a B-tree node or two
- * of 2 kB per dataset and chunk. Random bytes among those zeros came out at a tenth less than these sizes, for any share of
- * them. */
+/* Space that `events` events and `entries` index entries may need: the raw sizes, plus 5 bytes per 16 kB from deflate; 1 % of
+ * the zeros that fill the last chunk, as these are deflated; and one or two B-tree nodes of 2 kB per dataset and chunk.
+ * Random bytes among zeros took a tenth less than this, for any share of them. */
 static uint64_t space_needed(uint64_t events, uint64_t entries) {
     const uint64_t index_chunks = entries / TD_INDEX_CHUNK + 2, row = BYTES_PER_EVENT + BYTES_OF_LABELS;
     const uint64_t filled = (events + TD_EVENT_CHUNK - 1) / TD_EVENT_CHUNK * TD_EVENT_CHUNK - events;
@@ -214,7 +214,7 @@ static herr_t write_pending(td_event_store *store) {
     return 0;
 }
 
-/* Every millisecond before `end` that has no entry yet starts at event `row`. */
+/* Adds an index entry that points to event `row` for each millisecond before `end` that has none. */
 static herr_t fill_index(td_event_store *store, uint64_t end, uint64_t row) {
     for (; store->next_ms < end; store->next_ms++) {
         store->pending[store->pending_count++] = row;
@@ -223,7 +223,7 @@ static herr_t fill_index(td_event_store *store, uint64_t end, uint64_t row) {
     return 0;
 }
 
-/* Few events begin a millisecond. */
+/* Adds the index entries for an event. Most events begin no new millisecond. */
 herr_t td_event_store_index(td_event_store *store, int64_t t, uint64_t row) {
     if (t - 1000 * store->offset < (int64_t)store->next_ms * 1000000) return 0;
     return fill_index(store, td_milliseconds_begun(t, store->offset), row);
@@ -250,7 +250,7 @@ static herr_t flush(const td_event_store *store) {
     return H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 || store->failed ? -1 : 0;
 }
 
-/* The two steps of a flush: see the top. */
+/* Flushes in two steps: chunks and metadata first, then `count`. A death in between loses only the newest chunk. */
 static herr_t commit_rows(td_event_store *store, uint64_t rows) {
     int64_t count = (int64_t)rows;
     if (flush(store) < 0 || H5Awrite(store->count, H5T_NATIVE_INT64, &count) < 0 || flush(store) < 0) return -1;
@@ -293,7 +293,7 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
 
 void td_event_store_drop(td_event_store *store) {
     tides_status ignored = td_event_store_close(store, NULL);
-    (void)ignored; /* an earlier failure is reported, or the result isn't used */
+    (void)ignored; /* an earlier failure was reported, or the result isn't used */
 }
 
 int td_event_store_sync(const td_event_store *store) {

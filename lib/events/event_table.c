@@ -1,11 +1,10 @@
-/* Which column of a table of events is what. Other tools write t x y p, x y p t, x y t p and more, in seconds, microseconds and
- * nanoseconds, and most of them no header. The columns' meaning is found from their values:
- *   times       have decimals where nothing else has; else they don't fall, and are what lies below 0 or beyond
- *               TD_TABLE_COORDINATE
+/* Finds the meaning of the columns of an event table from their values. Tools write t x y p, x y p t, x y t p and more, in
+ * seconds, microseconds or nanoseconds, and most write no header.
+ *   times       are the only column with decimals; or else never fall, and have values below 0 or above TD_TABLE_COORDINATE
  *   polarities  are 0 and 1, or -1 and 1
- *   coordinates are whole numbers that a sensor has; x stands before y
- * One value in fifty may be otherwise: real recordings have late events, and damaged ones. Where more
- * than one order is left, the file is refused: its author knows the order. */
+ *   coordinates are whole numbers of a sensor's size; x comes before y
+ * One value in fifty may deviate: recordings have late and damaged events. If more than one order fits, the file is refused:
+ * the user knows the order. */
 #include "td_event_table.h"
 
 #include "td_base.h"
@@ -15,10 +14,10 @@
 #include <string.h>
 
 enum {
-    FAULTS = 50,   /* one late or invalid event of so many is a fault of its own */
-    ENOUGH = 64,   /* rows that show a rate */
-    SELDOM = 1000, /* events a second: a sensor at rest has more, of noise alone */
-    DECIMALS = 5   /* who writes so many has seconds */
+    FAULTS = 50,   /* one deviating value in so many is allowed */
+    ENOUGH = 64,   /* rows needed to judge a rate */
+    SELDOM = 1000, /* events a second; even a sensor at rest has more, from noise */
+    DECIMALS = 5   /* a time written with so many decimals is in seconds */
 };
 
 void td_table_add(td_table_column *c, double value, int decimals) {
@@ -41,7 +40,7 @@ void td_table_add(td_table_column *c, double value, int decimals) {
     ++*kind;
 }
 
-/* ---- said ---- */
+/* ---- given by names ---- */
 
 static const char *const field_names[TD_ROW_FIELDS] = {"t", "x", "y", "p"};
 static const char *const spellings[TD_ROW_FIELDS] =
@@ -87,22 +86,22 @@ const char *td_table_unit_word(int digits) {
     return digits == 9 ? "seconds" : digits == 6 ? "milliseconds" : digits == 3 ? "microseconds" : "nanoseconds";
 }
 
-/* ---- guessed ---- */
+/* ---- found from values ---- */
 
 static int few(uint32_t faults, const td_table_column *c) { return (uint64_t)faults * FAULTS <= c->rows; }
-/* A late event falls by little: what returns to its beginning is no time. */
+/* A late event is only a little late: a column that falls back by half of its range has no times. */
 static int can_be_time(const td_table_column *c) { return few(c->falls, c) && 2 * c->fall <= c->most - c->least; }
 static int can_be_polarity(const td_table_column *c) { return few(c->others, c) && (few(c->minuses, c) || few(c->zeros, c)); }
 static int can_be_coordinate(const td_table_column *c) { return few(c->beyond, c); }
 
-/* Orders that tools write. Others are the caller's to say. */
+/* Orders that are recognised. For others the caller has to give the order. */
 static const char *const orders[] = {"txyp", "xypt", "xytp"};
 
 static void take_order(const char *order, const int *columns, td_table_meaning *meaning) {
     for (int f = 0; f < TD_ROW_FIELDS; f++) meaning->column[f] = columns[strchr(order, *field_names[f]) - order];
 }
 
-/* The only column whose values have decimals, or are written so; -1: there is none. */
+/* The only column written with decimals; -1 if there is none. */
 static int only_real(const td_table_column *columns, const int *used) {
     int fractional = -1, dotted = -1, fractions = 0, dots = 0;
     for (int i = 0; i < TD_ROW_FIELDS; i++) {
@@ -119,7 +118,7 @@ static int fits(const td_table_column *columns, const td_table_meaning *m, int r
            can_be_coordinate(&columns[m->column[TD_ROW_Y]]);
 }
 
-/* The four that aren't an index; their number. */
+/* Finds the four columns that aren't an index; returns their number. */
 static int leave_out_index(const td_table_column *columns, int count, int used[TD_TABLE_COLUMNS_MAX]) {
     int kept = 0, spare = count - TD_ROW_FIELDS;
     for (int c = 0; c < count && c < TD_TABLE_COLUMNS_MAX; c++) {
@@ -130,7 +129,7 @@ static int leave_out_index(const td_table_column *columns, int count, int used[T
     return kept;
 }
 
-/* The reason why a table can't be events, as far as one column shows it. */
+/* The error for a table that can't be events, with the reason if one column shows it. */
 static tides_status why_none(const td_table_column *columns, const int *used, tides_error *error) {
     int times = 0, polarities = 0;
     for (int i = 0; i < TD_ROW_FIELDS; i++) {
@@ -163,7 +162,7 @@ tides_status td_table_guess(const td_table_column *columns, int count, td_table_
     }
     memcpy(order, seen[0], sizeof seen[0]);
     const int first = real == used[0] || !few(columns[used[0]].fractional, &columns[used[0]]);
-    if (found == 0 && first) { /* times are certain, and come first: what is wrong is for the rows to say */
+    if (found == 0 && first) { /* the first column is certainly times; errors in the others are reported by row */
         take_order(orders[0], used, meaning);
         meaning->digits = -1;
         memcpy(order, "t x y p", sizeof "t x y p");
@@ -176,7 +175,7 @@ tides_status td_table_guess(const td_table_column *columns, int count, td_table_
                    seen[0], seen[1]);
 }
 
-/* Events a second of times in a unit; 0: too few to show it. */
+/* Events per second if times have this unit; 0 if there are too few to tell. */
 static double rate_in(const td_table_column *times, int digits) {
     const double span = (times->most - times->least) / td_pow(10, 9 - digits);
     return times->rows >= ENOUGH && span > 0 ? (double)times->rows / span : 0;

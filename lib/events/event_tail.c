@@ -1,9 +1,8 @@
-/* The tail of an unfinished event file: the events after its last whole chunk.
+/* The tail of an unfinished event file: its events after the last whole chunk.
  *
- * Chunks of the .part are written once and never again, or a death while one is rewritten would take events along that were
- * safe before (event_store.c). A partial chunk can't go there in mid-run, so a flush puts it into PATH.part.tail: an event file
- * of its own in the layout of events_hdf5.c, with one more attribute, `first`: the number of its first event in the stream. It
- * is replaced whole, by a rename. */
+ * Chunks of the .part are written only once: a death while one is rewritten would destroy events that were safe before. So a
+ * flush puts a partial chunk into another file, PATH.part.tail. It has the same HDF5 layout, and an attribute `first`, the
+ * number of its first event in the stream. It is always replaced as a whole, by a rename. */
 #include "td_event_store.h"
 
 #include "archive/td_h5_driver.h"
@@ -16,7 +15,8 @@
 static tides_status write_store(const char *part, const tides_event_file *facts, int64_t offset, uint64_t first,
                                 const tides_event *events, const int64_t *fired, size_t count, tides_error *error) {
     td_event_store store;
-    const tides_event_file bare = {facts->width, facts->height, NULL, NULL, facts->labels, 0, 0}; /* the .part says the rest */
+    /* run text and seed are in the .part */
+    const tides_event_file bare = {facts->width, facts->height, NULL, NULL, facts->labels, 0, 0};
     tides_status status = td_event_store_create(&store, part, &bare, offset, error);
     if (status != TIDES_OK) return status;
     tides_error reason = {0};
@@ -42,7 +42,7 @@ tides_status td_event_tail_write(const char *path, const tides_event_file *facts
     return status;
 }
 
-/* The attribute `first`, or -1. */
+/* Reads the attribute `first`; -1 if it is missing. */
 static int64_t read_first(const char *path) {
     int64_t first = -1;
     hid_t file = td_h5_open_disk(path);

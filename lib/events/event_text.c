@@ -1,6 +1,6 @@
-/* Text with blanks between columns, written as `t x y p` with times in seconds (.txt): of the Event Camera Dataset and v2e,
- * with '#' comments, and of E2VID, whose first line is the sensor's width and height. Written with nine decimals: nothing is
- * lost. Read in other orders and units, too: event_rows_open.c finds what columns are. */
+/* Text files with blanks between columns (.txt). Written as `t x y p`, with times in seconds and nine decimals, so that
+ * nothing is lost. ECD's and v2e's kind has '#' comments; E2VID's begins with a line of the sensor's width and height. Other
+ * orders and units are read, too, and found from the values. */
 #include "td_event_rows.h"
 
 #include "td_base.h"
@@ -11,7 +11,7 @@
 static int detect_ecd(const td_event_probe *probe) { return td_event_text_kind(probe) == TD_TEXT_BLANKS; }
 static int detect_e2vid(const td_event_probe *probe) { return td_event_text_kind(probe) == TD_TEXT_SIZED; }
 
-/* A format that was named says order and unit. */
+/* Opens a text; a format given by name fixes order and unit. */
 static tides_status open_text(td_event_stream *stream, int sized, tides_error *error) {
     const int named = stream->reading.format != NULL;
     const td_event_rows rows = {.meaning = {{0, 1, 2, 3}, named ? 9 : -1}, .by_order = named, .sized = sized};

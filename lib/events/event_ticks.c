@@ -1,5 +1,5 @@
-/* Counts what a coarser clock loses: events that share their pixel and their tick with an earlier one. A set of the pixels of
- * the current tick, emptied by counting up its generation. */
+/* Counts events that a format with coarser times can't tell apart: events with the same pixel and tick as an earlier one. It
+ * keeps a hash set of the current tick's pixels. A new generation number empties the set. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -11,15 +11,15 @@ typedef struct slot {
 } slot;
 
 struct td_event_ticks {
-    int64_t tick_ns, tick; /* length; the current one, */
-    int64_t begin, end;    /* and its times, but for those below 0 */
+    int64_t tick_ns, tick; /* length of a tick [ns]; number of the current tick, */
+    int64_t begin, end;    /* and its first and last time, for times from 0 on */
     uint64_t collapsed;
-    uint32_t generation; /* slots of others are empty */
-    size_t used, mask;   /* slots in use; size - 1, a power of two minus one */
+    uint32_t generation; /* slots with another generation are empty */
+    size_t used, mask;   /* slots in use; number of slots minus one */
     slot *slots;
 };
 
-/* To begin with, a power of two; it grows with what a tick holds. */
+/* Slots at the beginning, a power of two; a busier tick makes it grow. */
 enum { FIRST_SLOTS = 1024 };
 
 td_event_ticks *td_event_ticks_create(int64_t tick_ns, tides_error *error) {
@@ -31,7 +31,7 @@ td_event_ticks *td_event_ticks_create(int64_t tick_ns, tides_error *error) {
         return NULL;
     }
     made->tick_ns = tick_ns;
-    made->tick = -1; /* and no time is in it */
+    made->tick = -1; /* no event is in tick -1 */
     made->mask = FIRST_SLOTS - 1;
     return made;
 }
@@ -43,7 +43,8 @@ void td_event_ticks_destroy(td_event_ticks *ticks) {
 
 uint64_t td_event_ticks_collapsed(const td_event_ticks *ticks) { return ticks ? ticks->collapsed : 0; }
 
-/* The slot that holds `pixel`, or where it goes. 2654435761: Knuth's multiplicative hash, 2^32 over the golden ratio. */
+/* The slot that holds `pixel`, or the empty slot for it. 2654435761 is Knuth's multiplicative hash, 2^32 over the golden
+ * ratio. */
 static slot *find(const td_event_ticks *ticks, uint32_t pixel) {
     size_t at = (pixel * UINT32_C(2654435761) >> 7) & ticks->mask;
     while (ticks->slots[at].generation == ticks->generation && ticks->slots[at].pixel != pixel) at = (at + 1) & ticks->mask;
@@ -62,7 +63,7 @@ static tides_status grow(td_event_ticks *ticks, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Generation 0 is that of zeroed slots: none is ever current. */
+/* Begins a tick by a new generation. 0 is skipped: zeroed slots have it, and must stay empty. */
 static void begin_tick(td_event_ticks *ticks, int64_t tick) {
     ticks->tick = tick;
     ticks->used = 0;
@@ -71,7 +72,8 @@ static void begin_tick(td_event_ticks *ticks, int64_t tick) {
     ticks->generation = 1;
 }
 
-/* Most events are in the tick of the one before, and a division would take as long as all the rest. */
+/* Moves to the tick of `t`. Most events are in the current tick, so the division is avoided: it would take as long as all the
+ * rest. */
 static void seek_tick(td_event_ticks *ticks, int64_t t) {
     const int64_t tick = t / ticks->tick_ns;
     if (tick != ticks->tick) begin_tick(ticks, tick);

@@ -1,4 +1,4 @@
-/* Columns of ground truth, added to a file that is complete (td_event_truth.h says which). */
+/* Adds columns of ground truth (flow, depth, alpha, instance of each event) to a finished event file. */
 #include "td_event_truth.h"
 
 #include "archive/td_h5_driver.h"
@@ -14,18 +14,18 @@ enum { COLUMNS = TD_EVENT_TRUTHS, DEPTH = 2, INSTANCE = 4 };
 
 const char *const td_event_truth_columns[COLUMNS] = {"/events/flow_u", "/events/flow_v", "/events/depth", "/events/alpha",
                                                      "/events/instance"};
-/* Names by which columns are requested. */
+/* Names under which columns are requested. */
 static const struct {
     const char *name;
     uint32_t columns; /* bit k: column k */
 } kinds[] = {{"flow", 3}, {"depth", 1 << DEPTH}, {"alpha", 8}, {"instance", 1 << INSTANCE}};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-/* A file on its way: the copy, and room for a chunk. */
+/* The copy that is being written, and room for a chunk. */
 typedef struct truth_file {
     const char *path;
     char *part;
-    int failed; /* errno of the first write that failed, or 0 (archive/td_h5_driver.h) */
+    int failed; /* errno of the first failed write, which the file driver hides from HDF5; or 0 */
     hid_t file, column[COLUMNS];
     tides_event *events;
     int64_t *fired;
@@ -59,7 +59,7 @@ static tides_status h5_failed(const truth_file *f, tides_error *error) {
 
 static hid_t type_of(int column) { return column == INSTANCE ? H5T_STD_I32LE : H5T_IEEE_F32LE; }
 
-/* The copy's columns, empty. */
+/* Creates the empty columns in the copy. */
 static tides_status open_columns(truth_file *f, tides_error *error) {
     char format[32] = "";
     hid_t access = td_h5_write_access(&f->failed);
@@ -81,7 +81,7 @@ static tides_status open_columns(truth_file *f, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Values of a column to the scratch. */
+/* Copies a column's values to the scratch. */
 static void gather(const truth_file *f, int column, size_t count) {
     const tides_event_truth *truth = f->truth;
     const double scale = f->wanted.metres_per_unit > 0 ? f->wanted.metres_per_unit : 1;
@@ -94,7 +94,7 @@ static void gather(const truth_file *f, int column, size_t count) {
     }
 }
 
-/* Chunk by chunk; tides_events_read has a file of its own open, the one that is complete. */
+/* Fills the columns chunk by chunk. Events are read from the original file, since the copy is open for writing. */
 static tides_status fill_columns(truth_file *f, td_truth_source source, void *user, tides_error *error) {
     tides_status status = TIDES_OK;
     size_t got = TD_EVENT_CHUNK;

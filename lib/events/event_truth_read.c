@@ -1,4 +1,4 @@
-/* Columns of ground truth read back (td_event_truth.h says which). */
+/* Reads columns of ground truth (flow, depth, alpha, instance of each event) from an event file. */
 #include "archive/td_h5.h"
 #include "archive/td_h5_driver.h"
 #include "td_base.h"
@@ -21,7 +21,7 @@ static void scatter(int column, const double *values, size_t count, tides_event_
         }
 }
 
-/* Doubles hold all values of f4 and i4, and HDF5 converts. */
+/* Reads a column as doubles, which hold all values of f4 and i4; HDF5 converts. */
 static tides_status read_column(hid_t file, const char *path, int column, uint64_t first, size_t count, double *values,
                                 tides_error *error) {
     hid_t dataset = H5Dopen2(file, td_event_truth_columns[column], H5P_DEFAULT);

@@ -1,5 +1,5 @@
-/* Writing event files of any format, behind tides_event_writer: order and size are checked, and what is written goes beside
- * the final file and is renamed. The bytes are each format's own. */
+/* Writes event files of any format: checks order and size, writes beside the final file, and renames. Each format encodes its
+ * own bytes. */
 #include "td_base.h"
 #include "td_event_format.h"
 #include "td_event_h5.h"
@@ -13,7 +13,7 @@
 struct tides_event_writer {
     const td_event_format *format;
     td_event_sink sink;
-    tides_error failure; /* the first failed write: nothing is written after it */
+    tides_error failure; /* the first failed write; nothing is written after it */
 };
 
 int32_t tides_event_format_at(size_t index, tides_event_format *format) {
@@ -66,7 +66,7 @@ static tides_status open_part(td_event_sink *sink, tides_error *error) {
     if (errno == EBUSY)
         return td_fail(error, TIDES_WRITE_FAILED, "%s: is being written by another run: wait for it, or name another file",
                        sink->part);
-    const char *what = strcmp(sink->part, sink->path) == 0 ? "written" : "created"; /* a device or FIFO is there */
+    const char *what = strcmp(sink->part, sink->path) == 0 ? "written" : "created"; /* a device or FIFO exists already */
     return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be %s: %s", sink->part, what, strerror(errno));
 }
 
@@ -81,7 +81,7 @@ static void free_writer(tides_event_writer *writer) {
     free(writer);
 }
 
-/* A writer that has nothing open yet. */
+/* Makes a writer, without opening anything. */
 static tides_status make_writer(const char *path, const td_event_format *format, const tides_event_file *file,
                                 tides_event_writer **writer, tides_error *error) {
     tides_event_writer *made = td_alloc(1, sizeof *made, error);
@@ -154,17 +154,18 @@ int32_t tides_event_writer_can_resume(const char *path) {
     return path && td_event_format_for(path, &format, NULL) == TIDES_OK && format->resume;
 }
 
-/* Where there is no .part, a finished recording is gone on with: in a copy, so that it stays until a longer one takes its
- * place. `*copied` is 1 where the .part is that copy. */
+/* If there is no .part, continues a finished recording: in a copy, so that the recording stays until a longer one replaces
+ * it. `*copied` is 1 if the .part is such a copy. */
 static tides_status take_finished(const td_event_sink *sink, int *copied, tides_error *error) {
     char *copy = NULL;
     *copied = 0;
-    if (access(sink->part, F_OK) == 0 || access(sink->path, F_OK) != 0) return TIDES_OK; /* the format says what is missing */
+    /* if both are missing, the format reports it */
+    if (access(sink->part, F_OK) == 0 || access(sink->path, F_OK) != 0) return TIDES_OK;
     tides_status status = td_part_name(sink->part, 0, &copy, error);
     if (status != TIDES_OK) return status;
     status = td_copy_file(sink->path, copy, error);
     if (status == TIDES_OK)
-        status = td_commit_file(copy, sink->part, error); /* whole or not at all: a .part that is there is trusted */
+        status = td_commit_file(copy, sink->part, error); /* renamed only when complete, since a .part that exists is trusted */
     else
         td_remove_part(copy, sink->part);
     *copied = status == TIDES_OK;
@@ -248,7 +249,8 @@ static tides_status check_event(const td_event_format *format, const td_event_si
     return why ? refuse(event, index, TIDES_UNSUPPORTED, why, error) : TIDES_OK;
 }
 
-/* Whether check_event would take all of them, found without a branch for each: of hundreds of millions none is refused. */
+/* 1 if check_event would accept all of them. This test is fast, because it has no branch per event; events are hardly ever
+ * refused. */
 static int are_plain(const td_event_format *format, const td_event_sink *sink, const tides_event *events, size_t count,
                      const tides_event *previous) {
     const uint32_t width = (uint32_t)sink->width, height = (uint32_t)sink->height;
@@ -282,7 +284,7 @@ static tides_status repeat_failure(const tides_event_writer *writer, tides_error
     return td_fail(error, writer->failure.status, "%s", writer->failure.text);
 }
 
-/* A format's failure, or that of the bytes it wrote, is for good. */
+/* A failure of the format, or of writing its bytes, is permanent: it is stored and repeated. */
 static tides_status settle(tides_event_writer *writer, tides_status status) {
     td_event_sink *sink = &writer->sink;
     if (status == TIDES_OK && sink->failed)
@@ -338,7 +340,7 @@ tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *e
 
 /* ---- ending ---- */
 
-/* Makes the .part whole and closes it. */
+/* Completes the .part and closes it. */
 static tides_status complete(tides_event_writer *writer, int64_t stop_ns) {
     td_event_sink *sink = &writer->sink;
     tides_status status = writer->failure.status;

@@ -1,5 +1,5 @@
-/* When a recording's frames begin, for files of events that don't say it themselves: in the list of times that lies beside them
- * in the Event Camera Dataset and EDS. frames.rebase counts from the first frame; rebased events must, too. */
+/* Finds when a recording's frames begin, for event files that don't say it: in the list of times beside them, as ECD and EDS
+ * have. frames.rebase counts times from the first frame, so rebased events must do so, too. */
 #include "td_event_format.h"
 #include "td_event_rows.h"
 
@@ -11,15 +11,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORDS_MOST = 4 /* a time, a picture, and little else: COLMAP's images.txt has ten */, LOOKED = 64 };
+enum { WORDS_MOST = 4 /* a time, a picture, little else; COLMAP's images.txt has ten */, LOOKED = 64 };
 
 /* The first rows of a list. */
 typedef struct list {
-    int rows, column, digits; /* digits: of the unit that a header says; -1: none */
-    char word[2][64];         /* what stands where the times do */
+    int rows, column, digits; /* digits: of the header's unit; -1: none */
+    char word[2][64];         /* the texts in the column of times */
 } list;
 
-/* The column of numbers; a first one that is 0 or 1 beside another counts. */
+/* The column that counts frames; its first value is 0 or 1, and there is another column. */
 static int find_column(char *const words[], int count) {
     double value;
     int decimals, found = -1;
@@ -31,7 +31,7 @@ static int find_column(char *const words[], int count) {
     return found;
 }
 
-/* 0 where the line isn't one of a list of frames. */
+/* Takes a line; 0 if it isn't from a list of frames. */
 static int take_line(list *l, char *line) {
     td_columns named;
     char *words[TD_TABLE_COLUMNS_MAX];
@@ -49,7 +49,7 @@ static int take_line(list *l, char *line) {
     return 1;
 }
 
-/* The first time; 0 where there is none. `usual`: digits of the unit that lists of this name have. */
+/* Reads the first time; 0 if there is none. `usual`: digits of the unit in lists of this name. */
 static int first_time(const char *path, int usual, int64_t *ns) {
     list l = {.column = -1, .digits = -1};
     char line[TD_ROW_LINE];

@@ -3,24 +3,24 @@
  *   /events/p      u1   1 ON, 0 OFF
  *   /events/t      u4   [us] after t_offset: floor(t_ns / 1000) - t_offset
  *   /events/x, y   u2   [px]
- *   /events/t_ns   i8   [ns] the exact time, absolute: t_offset is in it; ours, ignored by others
+ *   /events/t_ns   i8   [ns] the exact time, absolute (t_offset is included); TIDES's own, other readers ignore it
  *   /events/height, width   i4 scalars [px], where RVT's reader looks for them
- *   /events/cause, fired, frontend: labels, where there are any (event_labels.c)
+ *   /events/cause, fired, frontend: labels, if the run has any
  *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k, so it counts from t_offset too. It covers the recording's
  *                       end: a query that ends within the recording finds its entry. (DSEC's own reader fails on a window
  *                       without events; that is its defect.)
  *   /t_offset      i8   scalar [us]: 0 where the recording lies within the first 4294.967 s, else its start: times of 1.4e9 s
  *                       (or before 0) are t + t_offset, as in DSEC
  *   attributes of the root: format "tides-events", version 1, tides_version, width, height, seed, run (the run file's JSON; a
- *     scalar dataset /run where it is longer than 60 kB), count (events that are safely in the file), start_ns (where the
- *     recording begins, if that is known), stop_ns (its end; -1 while it is being written). Texts have fixed length (h5py gives
- *     bytes); before, they had variable length
+ *     scalar dataset /run if it is longer than 60 kB), count (events that are safely in the file), start_ns (the recording's
+ *     begin, if known), stop_ns (its end; -1 while it is being written). Texts have fixed length (h5py gives bytes); in older
+ *     files they have variable length
  *
  * All datasets are chunked, shuffled and deflated. The microseconds end 71.6 minutes after t_offset, as in DSEC.
  *
- * A file grows as PATH.part; event_store.c says why it stays readable whatever happens to the process. In a .part, ms_to_idx
- * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. At a flush, events after
- * the last whole chunk go to PATH.part.tail (event_tail.c), from which an interrupted recording is resumed. */
+ * A file is written as PATH.part, and stays readable if the process dies. In a .part, ms_to_idx lags behind (whole chunks
+ * only), and datasets may hold invalid rows beyond `count`. A flush puts events after the last whole chunk into
+ * PATH.part.tail, from which an interrupted recording is resumed. */
 #include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "td_event_format.h"
@@ -34,35 +34,34 @@
 typedef struct hdf5_writer {
     char *tail;
     td_event_store store;
-    tides_event *buffer; /* TD_EVENT_CHUNK of them */
+    tides_event *buffer; /* room for TD_EVENT_CHUNK */
     int64_t *fired;      /* as many, or NULL: the file has no labels */
     size_t buffered;
-    int32_t failed; /* a write: nothing is written after it */
-    int32_t placed; /* t_offset is for good: the recording's stretch is known, or there are events */
-    int64_t offset; /* [us] what it will be, or is */
+    int32_t failed; /* 1 after a failed write: nothing is written any more */
+    int32_t placed; /* 1: t_offset is final, since the recording's span is known or there are events */
+    int64_t offset; /* [us] the final or intended t_offset */
 } hdf5_writer;
 
-/* How long a recording is taken to be that doesn't say [ns]. */
+/* Assumed length of a recording whose end isn't known [ns]. */
 #define TAKEN_LENGTH (TD_EVENT_SPAN / 2)
 
 /* ---- t_offset ---- */
 
-/* Rounds a time down to microseconds, if it is a microsecond or more after the earliest that 64 bits hold; earlier times are
- * refused. */
+/* Rounds a time down to microseconds. Within the lowest microsecond of 64 bits it rounds up; such times are refused later. */
 static int64_t floor_microseconds(int64_t ns) { return ns / 1000 - (ns % 1000 < 0 && ns >= INT64_MIN + 1000); }
 
 static int64_t offset_for(int64_t start_ns, int64_t stop_ns) {
     return start_ns >= 0 && stop_ns <= TD_EVENT_SPAN ? 0 : floor_microseconds(start_ns);
 }
 
-/* Sets the offset from the recording's start and stop, where the sink has them. */
+/* Sets t_offset from the recording's start and stop, if the sink has them. */
 static void place(td_event_sink *sink) {
     hdf5_writer *w = sink->state;
     w->placed = sink->stop_ns > sink->start_ns;
     w->offset = w->placed ? offset_for(sink->start_ns, sink->stop_ns) : 0;
 }
 
-/* Without that, from its first event. */
+/* Sets t_offset from the first event, if start and stop weren't known. */
 static void begin_hdf5(td_event_sink *sink, const tides_event *first) {
     hdf5_writer *w = sink->state;
     if (!w->placed) w->offset = offset_for(first->t, first->t > INT64_MAX - TAKEN_LENGTH ? INT64_MAX : first->t + TAKEN_LENGTH);
@@ -77,7 +76,7 @@ static const char *span_hdf5(int64_t start_ns, int64_t stop_ns) {
 
 /* ---- opening ---- */
 
-/* A state that has nothing open yet. */
+/* Makes a state with nothing open. */
 static tides_status make_state(td_event_sink *sink, tides_error *error) {
     hdf5_writer *w = td_alloc(1, sizeof *w, error);
     sink->state = w;
@@ -112,8 +111,8 @@ static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
     char *checkpoint = td_format(error, "%s.checkpoint", sink->path);
     status = checkpoint ? td_event_store_create(&w->store, sink->part, &facts, w->offset, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) sink->claim = td_keep_claim(td_h5_descriptor(w->store.file));
-    if (status == TIDES_OK) unlink(w->tail);                  /* of an earlier run, whose .part is gone now */
-    if (status == TIDES_OK) td_remove_file(checkpoint, NULL); /* of that, or of the finished file that this one replaces */
+    if (status == TIDES_OK) unlink(w->tail);                  /* it belongs to an earlier run, whose .part was replaced */
+    if (status == TIDES_OK) td_remove_file(checkpoint, NULL); /* of that run, or of the finished file that will be replaced */
     free(checkpoint);
     return status;
 }
@@ -168,7 +167,7 @@ static tides_status write_hdf5(td_event_sink *sink, const tides_event *events, s
     return TIDES_OK;
 }
 
-/* ---- surviving, and going on ---- */
+/* ---- surviving an interruption, and resuming ---- */
 
 /* Writes the buffer's events as the tail. */
 static tides_status write_tail(const td_event_sink *sink, uint64_t first, tides_error *error) {
@@ -179,14 +178,14 @@ static tides_status write_tail(const td_event_sink *sink, uint64_t first, tides_
 
 static tides_status flush_hdf5(td_event_sink *sink, tides_error *error) {
     hdf5_writer *w = sink->state;
-    int unsynced = td_event_store_sync(&w->store); /* a checkpoint that outlives a power cut needs its events */
+    int unsynced = td_event_store_sync(&w->store); /* a checkpoint that survives a power cut needs its events */
     if (unsynced) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be put on the disk: %s", sink->part, strerror(unsynced));
-    if (w->buffered == 0) return TIDES_OK; /* whole chunks are in the file as soon as they are whole */
+    if (w->buffered == 0) return TIDES_OK; /* whole chunks are written at once */
     return write_tail(sink, w->store.rows, error);
 }
 
-/* Events [rows, rows + buffered), after the last whole chunk that stays: from the tail, or from the .part itself where it has
- * gone on past them; `*from_part` then. */
+/* Loads events [rows, rows + buffered), which follow the last whole chunk that stays: from the tail, or from the .part itself
+ * if that is longer (`*from_part`). */
 static tides_status find_tail(td_event_sink *sink, uint64_t rows, int *from_part, tides_error *error) {
     hdf5_writer *w = sink->state;
     *from_part = 0;
@@ -210,7 +209,7 @@ static int is_same(const tides_event *a, const tides_event *b) {
     return a->t == b->t && a->x == b->x && a->y == b->y && a->polarity == b->polarity;
 }
 
-/* The last event, against which the next one's order is checked. It is to be `wanted` (nullable). */
+/* Finds the last event, to check the order of the next one. If `wanted` isn't NULL, it must be equal to it. */
 static tides_status find_last(td_event_sink *sink, uint64_t count, const tides_event *wanted, tides_error *error) {
     const hdf5_writer *w = sink->state;
     size_t got = 1;
@@ -230,7 +229,7 @@ static tides_status find_last(td_event_sink *sink, uint64_t count, const tides_e
     return status;
 }
 
-/* The .part's t_offset, which may have been chosen for an earlier stop; without events it may still change. */
+/* Takes the .part's t_offset, which may have been chosen for another stop. Without events it may still change. */
 static tides_status resume_offset(td_event_sink *sink, uint64_t count, tides_error *error) {
     hdf5_writer *w = sink->state;
     place(sink);
@@ -269,7 +268,7 @@ static tides_status resume_hdf5(td_event_sink *sink, uint64_t count, const tides
 
 /* ---- ending ---- */
 
-/* Entries of ms_to_idx: DSEC's reader looks up ceil(end / 1 ms) and the millisecond after the last event. */
+/* Number of entries of ms_to_idx. DSEC's reader looks up ceil(end / 1 ms), and the millisecond after the last event. */
 static uint64_t index_entries(const td_event_sink *sink, int64_t stop_ns) {
     const int64_t from = 1000 * ((const hdf5_writer *)sink->state)->offset, end = stop_ns - from;
     uint64_t entries = end > 0 ? (uint64_t)((end - 1) / 1000000) + 2 : 1;
@@ -311,9 +310,9 @@ static void abandon_hdf5(td_event_sink *sink) {
     int safe = !w->failed && flush_buffer(sink, NULL) == TIDES_OK;
     if (safe) {
         tides_status ignored = td_event_store_complete(&w->store, w->store.next_ms, -1, NULL);
-        (void)ignored; /* only the index's last entries are at stake */
+        (void)ignored; /* only the last entries of the index would be lost */
     }
-    if (td_event_store_close(&w->store, NULL) == TIDES_OK && safe) unlink(w->tail); /* the .part has all of it */
+    if (td_event_store_close(&w->store, NULL) == TIDES_OK && safe) unlink(w->tail); /* the .part has all events */
 }
 
 const td_event_format td_format_hdf5 = {

@@ -1,4 +1,4 @@
-/* Internal: what the reader and the writer of AEDAT 4 share. */
+/* Internal: declarations shared by the reader and the writer of AEDAT 4. */
 #ifndef TD_AEDAT4_H
 #define TD_AEDAT4_H
 

@@ -1,4 +1,4 @@
-/* Internal: Prophesee's HDF5 files, whose events are packed chunk by chunk with their own codec (ECF, HDF5 filter 0x8ecf). */
+/* Internal: Prophesee's HDF5 files, whose chunks of events are packed with their codec ECF (HDF5 filter 0x8ecf). */
 #ifndef TD_ECF_H
 #define TD_ECF_H
 
@@ -7,18 +7,18 @@
 enum {
     TD_ECF_FILTER = 0x8ECF,
     TD_ECF_CHUNK = 16384, /* events per chunk, as in openeb */
-    TD_ECF_RECORD = 16,   /* bytes of an event that isn't packed: x u16, y u16, p i16 at 4, t i64 at 8 */
-    /* Packed at worst: head, first time, per event 16 + 1 bytes of time and 3 of the rest, rounded up to groups of four. */
+    TD_ECF_RECORD = 16,   /* bytes of an unpacked event: x u16, y u16, p i16 at 4, t i64 at 8 */
+    /* Worst case: head, first time, per event 16 + 1 bytes of time and 3 of the rest, rounded up to groups of four. */
     TD_ECF_PACKED_MOST = 12 + TD_ECF_CHUNK * 20 + 16
 };
 
-/* Packs `count` <= TD_ECF_CHUNK events, times in microseconds not before 0; the number of bytes. */
+/* Packs `count` <= TD_ECF_CHUNK events, whose times are whole microseconds from 0 on; returns the number of bytes. */
 size_t td_ecf_pack(const tides_event *events, size_t count, unsigned char *out);
 
-/* Unpacks a chunk of at most `capacity` events; 0 where the bytes aren't one. */
+/* Unpacks a chunk of at most `capacity` events; 0 if the bytes are invalid. */
 int td_ecf_unpack(const unsigned char *data, size_t bytes, tides_event *events, size_t capacity, size_t *count);
 
-/* event_ecf_write.c */
+/* Functions of the writer. */
 tides_status td_ecf_create(td_event_sink *sink, tides_error *error);
 tides_status td_ecf_write(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error);
 tides_status td_ecf_complete(td_event_sink *sink, int64_t stop_ns, tides_error *error);

@@ -1,4 +1,4 @@
-/* Internal: writing event files as numpy's arrays (event_npy_write.c), and the columns that both sides name. */
+/* Internal: writing event files as numpy's arrays, and the numbers of the columns, which the reader uses, too. */
 #ifndef TD_EVENT_NPY_H
 #define TD_EVENT_NPY_H
 

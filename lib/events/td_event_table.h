@@ -1,5 +1,5 @@
-/* Internal: which column of a table of events is what, and in which unit its times are: as its header says, or as the caller
- * says, or, where neither does, as its values can only be meant. Nothing is taken from its place alone. */
+/* Internal: finds the meaning of the columns of an event table and the unit of its times. A header or the caller gives them;
+ * otherwise they are the only meaning that fits the values. A column's position alone decides nothing. */
 #ifndef TD_EVENT_TABLE_H
 #define TD_EVENT_TABLE_H
 
@@ -11,58 +11,57 @@
 enum { TD_ROW_T, TD_ROW_X, TD_ROW_Y, TD_ROW_P, TD_ROW_FIELDS };
 enum {
     TD_TABLE_COLUMNS_MAX = 16,
-    TD_TABLE_SAMPLE = 4096,    /* rows at a table's beginning that are looked at */
-    TD_TABLE_COORDINATE = 8191 /* no sensor has more pixels: what is larger is a time, or 1/32 px */
+    TD_TABLE_SAMPLE = 4096,    /* rows at a table's beginning that are sampled */
+    TD_TABLE_COORDINATE = 8191 /* no sensor has more pixels: a larger value is a time, or in 1/32 px */
 };
 
-/* Facts about the first values of a column. Zeroed to begin with. */
+/* Facts about the first values of a column; zeroed at first. */
 typedef struct td_table_column {
-    double least, most, first, last, fall; /* fall: the deepest from one value to the next */
-    uint32_t rows, falls;                  /* falls: values below the one before them */
-    uint32_t fractional, dotted, beyond; /* no whole numbers; written with a point or an exponent; no coordinates of a sensor */
-    uint32_t zeros, ones, minuses, others; /* 0, 1, -1, and what is none of these */
-    int32_t counting;                      /* 1: they count 0, 1, 2 or 1, 2, 3 */
-    int32_t decimals;                      /* at most */
+    double least, most, first, last, fall; /* fall: the largest from one value to the next */
+    uint32_t rows, falls;                  /* falls: values that are below the one before */
+    uint32_t fractional, dotted, beyond;   /* not whole; written with a point or an exponent; impossible as coordinates */
+    uint32_t zeros, ones, minuses, others; /* number of 0s, 1s, -1s, and other values */
+    int32_t counting;                      /* 1: the values count 0, 1, 2 .. or 1, 2, 3 .. */
+    int32_t decimals;                      /* most decimals of a value */
 } td_table_column;
 
-/* `decimals` that it is written with: 0 where without a point and an exponent. */
+/* Adds a value. `decimals`: how many it is written with; 0 without a point or an exponent. */
 void td_table_add(td_table_column *column, double value, int decimals);
 
 /* Meaning of a table's columns. */
 typedef struct td_table_meaning {
     int column[TD_ROW_FIELDS]; /* of t, x, y, p */
-    int digits;                /* 10^digits nanoseconds are a unit of time; -1: not known yet */
+    int digits;                /* 10^digits [ns] is the unit of times; -1: not known yet */
 } td_table_meaning;
 
-/* From a header's columns, or the caller's list of them. TIDES_BAD_FILE says which is missing or there twice, as the end of
- * "PATH: its header ". */
+/* Finds the meaning from the names in a header, or in the caller's list. TIDES_BAD_FILE says which column is missing or
+ * double; its text continues "PATH: its header ". */
 tides_status td_table_named(const td_columns *named, td_table_meaning *meaning, tides_error *error);
 
-/* 1 where a header names x, y, t and nothing that poses have: it is of events, though something may be missing. */
+/* 1 if a header names x, y, t and nothing that only poses have: then the table is of events, even if a column is missing. */
 int td_table_is_events(const td_columns *named);
 
-/* From what the values are, for `count` columns. `order` receives "t x y p". TIDES_BAD_FILE says why not, as the end of
- * "PATH: ". */
+/* Finds the meaning of `count` columns from their values. `order` becomes such as "t x y p". TIDES_BAD_FILE says why it isn't
+ * clear; its text continues "PATH: ". */
 tides_status td_table_guess(const td_table_column *columns, int count, td_table_meaning *meaning, char order[16],
                             tides_error *error);
 
-/* The unit of times without one: seconds where they have decimals, else nanoseconds beyond 10^17 (3000 years in microseconds),
- * else microseconds; TIDES_BAD_FILE where there would be fewer than one event a second or more than 10^9. `whole`: decimals
- * are only how the file writes numbers. */
+/* Guesses the unit of times: seconds if they have decimals; else nanoseconds above 10^17 (3000 years in microseconds); else
+ * microseconds. TIDES_BAD_FILE if that means less than one event a second, or more than 10^9. `whole`: decimals don't mean
+ * seconds, since the file writes all numbers with them. */
 tides_status td_table_unit(const td_table_column *times, int whole, int *digits, tides_error *error);
 
-/* Adds to `told` in which unit times without one were taken. `expected`: the format has them so, and only few decimals of
- * seconds, a rate that no sensor is likely to have and nanoseconds need a word. */
+/* Adds to `told` which unit was guessed. With `expected`, the format usually has this unit. Then a note is added only for
+ * seconds with few decimals, for an unlikely rate of events, and for nanoseconds. */
 void td_table_tell_unit(const td_table_column *times, int digits, int expected, char *told, size_t size);
 
-/* Adds to `told` where times fall by more than half of what they span: putting such in order may mix what came one after the
- * other. */
+/* Adds a note to `told` if times fall by more than half of their range: sorting such events may mix two recordings. */
 void td_table_tell_falls(const td_table_column *times, int digits, char *told, size_t size);
 
-/* Digits of "s", "ms", "us", "ns" as a reading says it; TIDES_BAD_ARGUMENT. */
+/* Digits of a unit named "s", "ms", "us" or "ns"; TIDES_BAD_ARGUMENT for others. */
 tides_status td_table_unit_named(const char *unit, int *digits, tides_error *error);
 
-/* "microseconds" of 3 digits. */
+/* The name of a unit: "microseconds" for 3 digits. */
 const char *td_table_unit_word(int digits);
 
 #endif

@@ -1,4 +1,4 @@
-/* A camera's filters: parameters, what they remember, and events through them. */
+/* A camera's event filters behind the readout: parameters, state, and passing events through the chosen filters. */
 #include "td_filter.h"
 #include "td_base.h"
 #include "td_struct.h"
@@ -11,7 +11,7 @@ enum { SIDE_MAX = 65536, NEIGHBOURS = 8, COUNTER_MAX = 7 };
 
 void tides_filters_defaults(tides_filters *filters) {
     *filters = (tides_filters){.size = sizeof *filters, .background_support = 1};
-    filters->activity_period_s = 1e-3; /* GenX320's window */
+    filters->activity_period_s = 1e-3; /* as GenX320's window */
     filters->afk_low_hz = 50;
     filters->afk_high_hz = 520;
     filters->afk_cell_px = 4;
@@ -57,7 +57,7 @@ static tides_status check_numbers(const tides_filters *f, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Completes the activity filter's bounds, and checks what depends on two of them. */
+/* Completes the activity filter's bounds, and checks rules between two bounds. */
 static tides_status settle(tides_filters *f, tides_error *error) {
     if (f->activity_low_stop == 0) f->activity_low_stop = f->activity_low_start;
     if (f->activity_high_stop == 0) f->activity_high_stop = f->activity_high_start;
@@ -79,7 +79,7 @@ static int64_t ns_of(double seconds) { return (int64_t)llround(seconds * 1e9); }
 
 /* -- memory --------------------------------------------------------------------------------------------------------------- */
 
-/* All of the past is empty: no time, no polarity, counters at 0. */
+/* Resets the state: no times, no polarities, counters at 0. */
 static void forget(tides_filter *f) {
     const size_t seen = f->seen ? (size_t)(f->width + 2) * (size_t)(f->height + 2) : 0;
     const int64_t *end = f->state + f->count;
@@ -155,7 +155,7 @@ typedef struct stage {
     int which; /* TIDES_STAGE_* */
 } stage;
 
-/* The filters that are on, in their order; how many. */
+/* Lists the filters that are on, in order; returns their number. */
 static int list_stages(const tides_filters *p, stage stages[TIDES_STAGES]) {
     const struct {
         int on;

@@ -1,4 +1,4 @@
-/* Each filter's decision on an event (include/tides/filters.h has the laws). */
+/* The decision of each filter about an event: pass or drop. The laws are described in include/tides/filters.h. */
 #include "td_filter.h"
 #include "td_random.h"
 
@@ -18,13 +18,13 @@ int td_filter_background(tides_filter *f, const tides_event *event) {
 
 /* -- by rate -------------------------------------------------------------------------------------------------------------- */
 
-/* The number of t's period, floored for times before 0 too. */
+/* The number of the period that holds t, rounded down also for times before 0. */
 static int64_t period_of(int64_t t, int64_t length) { return t / length - (t % length < 0); }
 
-/* Counts an event; how many periods ended since the one before. */
+/* Counts an event; returns the number of periods that have ended since the event before. */
 static int64_t count_event(int64_t *period, int64_t t, int64_t length) {
     const int64_t number = period_of(t, length), last = period[TD_PERIOD_NUMBER];
-    const int64_t ended = last == TD_NEVER ? 2 : number - last; /* before the first event all are empty */
+    const int64_t ended = last == TD_NEVER ? 2 : number - last; /* before the first event all periods are empty */
     if (ended > 0) {
         period[TD_PERIOD_BEFORE] = ended == 1 ? period[TD_PERIOD_COUNT] : 0;
         period[TD_PERIOD_COUNT] = 0;
@@ -34,7 +34,7 @@ static int64_t count_event(int64_t *period, int64_t t, int64_t length) {
     return ended;
 }
 
-/* A bound of the activity filter after a period with that many events. */
+/* Updates the state of the activity filter after a period with `count` events. */
 static void judge(tides_filter *f, double count) {
     const tides_filters *p = &f->filters;
     const double rate = count / (1e-9 * (double)f->activity_ns);
@@ -48,7 +48,7 @@ int td_filter_activity(tides_filter *f, const tides_event *event) {
     const double count = (double)period[TD_PERIOD_COUNT];
     const int64_t ended = count_event(period, event->t, f->activity_ns);
     if (ended > 0) judge(f, count);
-    if (ended > 1) judge(f, 0); /* once: more empty periods change nothing */
+    if (ended > 1) judge(f, 0); /* once is enough: more empty periods change nothing */
     return !f->state[TD_FILTER_LOW] && !f->state[TD_FILTER_HIGH];
 }
 
@@ -63,11 +63,11 @@ int td_filter_erc(tides_filter *f, const tides_event *event) {
     return td_random_uniform(&bits, 0) * (double)period[TD_PERIOD_BEFORE] < (double)most;
 }
 
-/* -- by a cell's or a pixel's past ---------------------------------------------------------------------------------------- */
+/* -- by the past of a cell or pixel ---------------------------------------------------------------------------------------- */
 
 enum { COUNTER_MAX = 7 };
 
-/* A cell turned to the event's polarity. */
+/* Notes that a cell has changed to the event's polarity. */
 static void turn(const tides_filter *f, int64_t *cell, const tides_event *event) {
     int64_t *before = &cell[event->polarity > 0 ? TD_CELL_ON : TD_CELL_OFF], *counter = &cell[TD_CELL_COUNTER];
     const int64_t v = td_since(event->t, *before);

@@ -1,5 +1,5 @@
-/* Light to a camera's values: electrons with their noise, clipped at full scale, coded and rounded. Each value's noise is drawn
- * by (seed, pixel and plane, frame), so that it doesn't depend on what else is drawn. */
+/* Converts light to a camera's values: electrons with noise, clipped at full scale, coded and rounded. Each value's noise
+ * depends on (seed, pixel and plane, frame) only. */
 #include "td_base.h"
 #include "td_math.h"
 #include "td_random.h"
@@ -9,14 +9,14 @@
 
 #include <math.h>
 
-/* From so many electrons on their number is drawn from the normal distribution of the same mean and variance, rounded: its
- * third moment, 1/10 of a sigma there and falling, is then all that is lost. Below, exactly. */
+/* From this mean on, the number of electrons is drawn from the normal distribution with equal mean and variance, rounded.
+ * This loses only the third moment, 1/10 of a sigma there and falling. Below, the draw is exact. */
 static const double normal_from = 100;
 
-/* The k at which Poisson's cumulative distribution passes u, walked to from 0. */
+/* The smallest k at which Poisson's cumulative distribution reaches u, by summing from 0. */
 static double poisson_at(double mean, double u) {
     double term = td_exp(-mean), sum = term, k = 0;
-    while (sum < u && term > 0) { /* rounding may leave the sum below u for ever */
+    while (sum < u && term > 0) { /* rounding may keep the sum below u for ever */
         k++;
         term *= mean / k;
         sum += term;
@@ -24,7 +24,7 @@ static double poisson_at(double mean, double u) {
     return k;
 }
 
-/* Electrons of a value that expects `mean` of them, read with its noise. */
+/* Electrons read from a value with the expectation `mean`, with shot and read noise. */
 static double electrons(const tides_exposure *e, double mean, uint32_t pixel, uint64_t index) {
     const td_random_bits shot = td_random(e->seed, pixel, index, TD_RANDOM_FRAME_SHOT);
     double normal[2] = {0, 0}, count = mean;
@@ -42,7 +42,7 @@ static double electrons(const tides_exposure *e, double mean, uint32_t pixel, ui
     return count;
 }
 
-/* IEC 61966-2-1. */
+/* The sRGB curve (IEC 61966-2-1). */
 static double to_srgb(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * td_pow(v, 1 / 2.4) - 0.055; }
 
 static uint16_t value_of(const tides_exposure *e, double light, uint32_t pixel, uint64_t index) {

@@ -1,4 +1,4 @@
-/* Reads a PNG's values with libpng for frames_folder.c: grey or colour, 8 or 16 bit, to numbers from 0 to 1. */
+/* Reads a PNG frame with libpng: grey or colour, 8 or 16 bit, converted to numbers from 0 to 1. */
 #include "td_frames.h"
 
 #include "image/td_png.h"
@@ -8,23 +8,24 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Deflate shrinks by at most this factor (zlib's documentation): a picture that claims more isn't in its file. */
+/* Largest ratio of deflate (zlib's documentation): a header that claims more pixels than the file can hold is damaged. */
 enum { DEFLATE_MAX = 1032 };
 
-/* libpng leaves by longjmp. All that it works on lives here, not in locals of the function that calls setjmp. */
+/* State of reading. libpng fails by longjmp, which would leave local variables of the function that calls setjmp undefined,
+ * so all state is here. */
 typedef struct png_job {
     FILE *file;
     size_t file_bytes;
     png_structp png;
     png_infop info;
     size_t row_bytes;
-    unsigned char *bytes; /* all rows */
+    unsigned char *bytes; /* bytes of all rows */
     png_bytepp rows;
     int width, height, depth, channels;
     td_png_message message;
 } png_job;
 
-/* 0, or -1 with job->message filled. Palettes become colour, small depths 8 bit; what is transparent stays as it is stored. */
+/* Reads the header; -1 with job->message on failure. Palettes become colour, and small depths 8 bit; alpha is ignored. */
 static int read_header(png_job *job) {
     if (setjmp(png_jmpbuf(job->png))) return -1;
     png_init_io(job->png, job->file);
@@ -55,7 +56,7 @@ static int read_rows(png_job *job) {
     return 0;
 }
 
-/* Integers to [0, 1]; 16-bit ones are stored with the high byte first. */
+/* Converts integers to [0, 1]; 16-bit ones have the high byte first. */
 static float *to_floats(const png_job *job, tides_error *error) {
     size_t count = (size_t)job->width * (size_t)job->height * (size_t)job->channels;
     float *values = td_alloc(count, sizeof *values, error);

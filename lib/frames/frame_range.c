@@ -1,16 +1,18 @@
-/* Finds the stored value that is light 1. A file's type decides where the values fill its range. Where they don't, only a range
- * that can't be another one is assumed, and this is reported. */
+/* Finds the stored value that means light 1. If the file's type tells it, that is used. Otherwise a range is assumed only if
+ * no other one is possible, and a note reports it. */
 #include "td_frames.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Frames looked at, all over the sequence: enough not to take a fade from black for the whole. */
+/* Number of frames examined, spread over the sequence, so that a fade from black isn't taken for the whole. */
 enum { LOOKS = 8 };
 
-/* Floats of a scene may be brighter than white, but hardly ever 4 stops; of 8 bits, nothing beyond 6 % grey is below it. */
+/* Limits for floats. Scenes may be brighter than white, but hardly ever by 4 stops. 8-bit values are above the limit, except
+ * in pictures darker than 6 % grey. */
 static const double BRIGHT = 16, EIGHT_BITS = 255;
-/* Ten, twelve and fourteen bits in sixteen end here; light that does is below half of sRGB's range. */
+/* Share of the full range. 10, 12 and 14 bits stored in 16 stay below it; 16-bit pictures that do are darker than half of
+ * sRGB's range. */
 static const double FILLED = 0.25;
 
 static tides_status fail_unknown(const tides_frames *frames, double largest, tides_error *error) {
@@ -39,7 +41,7 @@ static tides_status decide_integers(tides_frames *frames, tides_error *error) {
     return largest > 0 && largest < FILLED * frames->most ? fail_unknown(frames, largest, error) : TIDES_OK;
 }
 
-/* One line, whatever the path has in it. */
+/* Stores the note as one line, whatever characters the path has. */
 static void note(tides_frames *frames, const char *kind) {
     snprintf(frames->note, sizeof frames->note,
              "%.200s: %s up to %.9g: full scale is taken to be %g (frames.full_scale says otherwise)", frames->path, kind,

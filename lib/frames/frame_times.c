@@ -1,4 +1,4 @@
-/* When frames were taken: a text file, a rate, or what the array file says. */
+/* Finds the times of frames: from a text file, a rate, or the array file itself. */
 #include "td_frames.h"
 
 #include "td_columns.h"
@@ -11,22 +11,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A page of text per thousand frames; more than this is another kind of file. */
+/* Largest size of a text of times: more is another kind of file. */
 #define TIMES_BYTES_MAX ((size_t)1 << 28)
 
 /* -- text ----------------------------------------------------------------------------------------------------------------- */
 
 enum { COLUMNS = 8, WORD = 64, LINE = 1024 };
 
-/* Facts of a list of times, column by column. */
+/* Facts about a list of times, column by column. */
 typedef struct times_text {
-    size_t rows, numbers[COLUMNS], counting[COLUMNS]; /* of the rows: those with a number there, and with the row's own */
+    /* number of rows; of those with a number in the column; of those where it is the row's own index */
+    size_t rows, numbers[COLUMNS], counting[COLUMNS];
     double first[COLUMNS];
-    int column; /* of the times, by a header or by what columns are; -1: there is none */
-    int digits; /* 10^digits [ns] are their unit, where the header says it; -1: it doesn't */
+    int column; /* column of the times, from a header or from the numbers; -1: none */
+    int digits; /* 10^digits [ns] is the header's unit; -1: no unit */
 } times_text;
 
-/* The next line, without its end (LF, CR LF or CR); one that is too long comes in pieces, and isn't a list's. */
+/* Copies the next line without its end (LF, CR LF or CR). A line that is too long comes in pieces. */
 static int next_line(const char **at, char line[LINE]) {
     size_t length = strcspn(*at, "\r\n");
     if (!**at) return 0;
@@ -39,7 +40,7 @@ static int next_line(const char **at, char line[LINE]) {
     return 1;
 }
 
-/* Word number `column` of a line; 1 where it is a number. */
+/* Reads word number `column` of a line; 1 if it is a number. */
 static int take_number(const char *line, int column, double *value) {
     static const char between[] = " \t,;\"'";
     char word[WORD], *end = NULL;
@@ -55,7 +56,7 @@ static int take_number(const char *line, int column, double *value) {
     return !*end && isfinite(*value);
 }
 
-/* A header that names the times; `*digits` is -1 where it has no unit. */
+/* Finds the column that a header names as times; `*digits` is -1 if it has no unit. */
 static int header_column(const char *line, int *digits) {
     td_columns named;
     if (!td_columns_parse(line, &named)) return -1;
@@ -78,7 +79,7 @@ static void take_row(times_text *t, const char *line) {
     t->rows++;
 }
 
-/* The first column of numbers; one that counts 0, 1, 2 is an index where there is another. */
+/* Chooses the first column of numbers; a column that counts 0, 1, 2 is skipped as an index if there is another one. */
 static void choose_column(times_text *t) {
     int index = -1;
     for (int c = 0; c < COLUMNS && t->column < 0; c++) {
@@ -114,7 +115,7 @@ static tides_status read_lines(tides_frames *frames, const char *file, const cha
         double value = 0;
         int digits;
         if (is_aside(line) || (count == 0 && header_column(line, &digits) >= 0)) continue;
-        /* Without a column that all rows have, each has its own: the error is then that of the first that has none. */
+        /* If no column has a number in all rows, each row's first number is taken, and a row without a number is an error. */
         int column = t->column < 0 ? 0 : t->column;
         while (t->column < 0 && column < COLUMNS && !take_number(line, column, &value)) column++;
         if (!take_number(line, column, &value))
@@ -127,7 +128,7 @@ static tides_status read_lines(tides_frames *frames, const char *file, const cha
     return td_fail(error, TIDES_BAD_FILE, "%s: has %zu times, but %s has %zu frames", file, count, frames->path, frames->count);
 }
 
-/* Times that count 0, 1, 2 may be seconds, and are numbers of frames more often. */
+/* Refuses times 0, 1, 2 ...: they may be seconds, but are mostly numbers of frames. */
 static tides_status check_counting(const tides_frames *frames, const char *file, const times_text *t, tides_error *error) {
     if (t->column < 0 || t->rows < 3 || t->digits >= 0 || frames->options.unit != TIDES_TIME_AUTO) return TIDES_OK;
     if (t->counting[t->column] != t->rows) return TIDES_OK;
@@ -150,7 +151,7 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
         look_through(&t, start);
         status = check_counting(frames, file, &t, error);
         if (status == TIDES_OK) status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, start, &t, error), error);
-        const char *name = td_base_name(file); /* DSEC's and EDS's are in microseconds */
+        const char *name = td_base_name(file); /* in DSEC and EDS: microseconds */
         const int known = strstr(name, "image_timestamps") || strstr(name, "images_timestamps");
         frames->digits = t.digits < 0 && known ? 3 : t.digits;
         frames->stored = 1;
@@ -160,7 +161,7 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
     return status;
 }
 
-/* A timestamp file in the folder, or beside the folder or file; NULL where there is none. */
+/* Finds a file of timestamps in the folder, or beside the folder or file; NULL if there is none. */
 static char *find_file(const char *path, tides_error *error, tides_status *status) {
     static const char *const names[] = {"timestamps.txt",    "image_timestamps.txt",    "timestamp.txt",
                                         "../timestamps.txt", "../image_timestamps.txt", "../images_timestamps.txt",
@@ -202,7 +203,7 @@ static tides_status fill(tides_frames *frames, tides_error *error) {
     return status;
 }
 
-/* Digits of the unit that was said, or of the header's, or of what frames that come 1 to 1000 times a second would have. */
+/* Decimal digits of the unit: given, or from the header, or the one in which frames come 1 to 1000 times a second. */
 static int unit_digits(const tides_frames *frames) {
     static const int digits[] = {[TIDES_TIME_S] = 9, [TIDES_TIME_MS] = 6, [TIDES_TIME_US] = 3, [TIDES_TIME_NS] = 0};
     const size_t count = frames->count;
@@ -212,7 +213,7 @@ static int unit_digits(const tides_frames *frames) {
     return td_likely_digits(fmax(fabs(first), fabs(last)), count > 1 ? (last - first) / (double)(count - 1) : 0);
 }
 
-/* A number divided by a power of ten where it is whole: 1e-6 itself isn't a double, 1e6 is. */
+/* Converts times to seconds. It divides by a power of ten when possible: 1e-6 isn't exact in a double, but 1e6 is. */
 static void to_seconds(tides_frames *frames) {
     const double per_second = round(td_pow(10, 9 - unit_digits(frames)));
     for (size_t k = 0; k < frames->count; k++) frames->times[k] /= per_second;

@@ -1,11 +1,11 @@
-/* Stored values to luminance, for all sources of frames: scaled, sRGB decoded where the options say so, and r, g, b weighed. */
+/* Converts stored values of frames to luminance: scales, decodes sRGB if the options say so, and combines r, g, b. */
 #include "td_frames.h"
 
 #include "td_math.h"
 
 #include <math.h>
 
-/* IEC 61966-2-1; beyond 1 the curve goes on. */
+/* The sRGB curve (IEC 61966-2-1), extended beyond 1. */
 static double from_srgb(double v) { return v <= 0.04045 ? v / 12.92 : td_pow((v + 0.055) / 1.055, 2.4); }
 
 double td_frame_light(tides_frames *frames, double stored, double value) {

@@ -1,6 +1,5 @@
-/* tides_frames, a sequence of frames from a file, a folder or memory: opens it, keeps size and times of the frames, and reads
- * single frames. Each kind of file has a source, which reads its pixels: frames_folder.c, frames_npy.c, frames_hdf5.c,
- * frames_y4m.c and frames_aedat4.c. Times are read in frame_times.c. */
+/* tides_frames, a sequence of frames from a file, a folder or memory: opens it, stores size and times of the frames, and
+ * reads single frames. Each kind of file has a source, which reads its pixels. */
 #include "td_frames.h"
 
 #include "td_folder.h"
@@ -74,9 +73,9 @@ tides_status tides_frames_open(const char *path, const tides_frames_options *opt
     made->options = own;
     made->path = td_strdup(path, error);
     status = made->path ? open_source(made, error) : TIDES_NO_MEMORY;
-    /* If a source can't read the file, td_kind_judge looks whether it is of a known kind without frames, and says so in place
-     * of the source's message. It takes every AEDAT file for one of events. AEDAT 4 may hold frames as well, so there
-     * the source's own message stays. */
+    /* If a source can't read the file, td_kind_judge checks if the file is of a known kind without frames; its error then
+     * replaces the source's. It takes every AEDAT file for one of events. AEDAT 4 may hold frames as well, so there the
+     * source's own message stays. */
     if (made->path && !td_ends_in(path, ".aedat4")) status = td_kind_judge(path, TD_WANTS_FRAMES, status, error);
     if (status == TIDES_OK) status = td_frames_times(made, error);
     if (status == TIDES_OK) status = td_frames_range(made, error);

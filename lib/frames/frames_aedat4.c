@@ -1,6 +1,7 @@
-/* Frames of an AEDAT 4 recording (dv, DAVIS cameras), beside its events and on their clock: packets of the stream whose type
- * is FRME. Each is a flatbuffer with the middle of its exposure, which is its time, when exposure began and ended, format,
- * size, place and pixels of 8 bits, grey or blue, green, red. Where frames are is listed once. */
+/* Frames of an AEDAT 4 recording (dv, DAVIS cameras), which are beside the events and have their clock: packets of the stream
+ * of type FRME. Each is a flatbuffer with the middle of its exposure (taken as its time), begin and end of the exposure,
+ * format, size, place, and pixels of 8 bits, grey or blue, green, red. The places of all frames are listed when the file is
+ * opened. */
 #include "td_frames.h"
 
 #include "archive/td_aedat4_parts.h"
@@ -10,27 +11,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Fields of a frame, by number. */
+/* Field numbers of a frame. */
 enum { TIME = 0, EXPOSED_FROM = 3, EXPOSED_TO = 4, FORMAT = 5, WIDTH = 6, HEIGHT = 7, LEFT = 8, TOP = 9, PIXELS = 10 };
 enum { GREY = 0, BGR = 16, BGRA = 24, COUNT_MOST = 100000000 };
 
 typedef struct place {
-    uint64_t at; /* of the packet's payload [byte] */
+    uint64_t at; /* byte offset of the packet's payload */
     uint32_t bytes;
 } place;
 
 typedef struct recording {
     FILE *file;
-    uint64_t end; /* of the packets */
+    uint64_t end; /* byte offset at which the packets end */
     int32_t compression, stream;
     place *places;
     size_t capacity, times_capacity;
     unsigned char *packed, *payload;
     size_t packed_capacity, payload_capacity;
-    double exposed; /* [s] of the first frame; 0: not said */
+    double exposed; /* [s] exposure of the first frame; 0: unknown */
 } recording;
 
-/* One frame in the recording's memory. */
+/* A frame in the recording's memory. */
 typedef struct one_frame {
     double time, exposed; /* [s] */
     int32_t width, height, left, top, channels, stored;
@@ -168,7 +169,7 @@ static tides_status open_header(tides_frames *frames, tides_error *error) {
     return status;
 }
 
-/* The next frame is listed with its time. */
+/* Adds the next frame to the list, with its time. */
 static tides_status list_frame(tides_frames *frames, place where, tides_error *error) {
     recording *r = frames->state;
     one_frame f;

@@ -1,4 +1,4 @@
-/* A folder of pictures (.png, .exr) as a frame sequence, in natural order of their names, each read when it is asked for. */
+/* A folder of pictures (.png, .exr) as frames, in natural order of their names. A picture is read when it is requested. */
 #include "td_frames.h"
 
 #include "td_folder.h"
@@ -18,7 +18,7 @@ static void close_folder(void *state) {
     free(f);
 }
 
-/* Pictures of another kind become a video that is read. */
+/* Refuses a folder with other pictures, and tells how to convert them to a video. */
 static tides_status refuse_folder(const char *path, tides_error *error) {
     static const char *const others[] = {".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp"};
     size_t count = 0, kind = 0;
@@ -58,7 +58,7 @@ static const float *find_channel(const tides_exr *exr, int32_t count, const char
     return NULL;
 }
 
-/* Channel Y, else R, G and B, else the only one. */
+/* Takes channel Y, or else R, G and B, or else the only channel. */
 static tides_status take_channels(const tides_exr *exr, const char *path, td_picture_values *picture, tides_error *error) {
     int32_t width, height, count;
     tides_exr_size(exr, &width, &height, &count);
@@ -95,7 +95,7 @@ static tides_status read_picture(const folder *f, size_t index, td_picture_value
     return f->exr ? read_exr(f->list.files[index], picture, error) : td_frame_png(f->list.files[index], picture, error);
 }
 
-/* The largest stored value; floats are stored as they are. */
+/* The largest value of the stored type; 1 for floats. */
 static double most_of(const td_picture_values *picture) { return picture->bits == 16 ? 65535 : picture->bits ? 255 : 1; }
 
 static tides_status read_frame(tides_frames *frames, size_t index, double *Y, tides_error *error) {

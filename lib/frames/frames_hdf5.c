@@ -1,4 +1,4 @@
-/* Frames in HDF5: a dataset (frames, height, width), read frame by frame, and its times. */
+/* Frames in an HDF5 file: a dataset (frames, height, width), read frame by frame, and their times. */
 #include "archive/td_h5.h"
 #include "archive/td_h5_driver.h"
 #include "td_frames.h"
@@ -11,7 +11,7 @@
 
 typedef struct hdf5_file {
     hid_t file, data;
-    double scale; /* of integers */
+    double scale; /* factor of integers */
 } hdf5_file;
 
 static void close_file(void *state) {
@@ -21,14 +21,14 @@ static void close_file(void *state) {
     free(f);
 }
 
-/* The first of `names` that is there; negative where none is. */
+/* Opens the first of `names` that exists; negative if none does. */
 static hid_t open_first(hid_t file, const char *const *names) {
     for (; *names; names++)
         if (H5Lexists(file, *names, H5P_DEFAULT) > 0) return H5Dopen2(file, *names, H5P_DEFAULT);
     return H5I_INVALID_HID;
 }
 
-/* Rank and extents; -1 where it is something else. */
+/* Gets rank and extents; -1 if it isn't an array. */
 static int shape_of(hid_t data, hsize_t shape[TD_FRAME_DIMS_MAX]) {
     hid_t space = H5Dget_space(data);
     int rank = space >= 0 ? H5Sget_simple_extent_ndims(space) : -1;
@@ -41,7 +41,8 @@ static tides_status read_slab(tides_frames *frames, size_t index, double *Y, tid
     const hdf5_file *f = frames->state;
     hsize_t start[TD_FRAME_DIMS_MAX] = {0}, count[TD_FRAME_DIMS_MAX], values = td_frames_values(frames);
     hid_t space = H5Dget_space(f->data), memory = H5Screate_simple(1, &values, NULL);
-    if (shape_of(f->data, count) > 0 && count[0] == frames->count && frames->count > 1) { /* else there is but one frame */
+    /* otherwise there is only one frame */
+    if (shape_of(f->data, count) > 0 && count[0] == frames->count && frames->count > 1) {
         start[0] = index;
         count[0] = 1;
     }
@@ -76,7 +77,7 @@ static tides_status read_times(tides_frames *frames, hid_t data, tides_error *er
     return TIDES_OK;
 }
 
-/* Integers count to 1 at their type's largest value, `most`; 0 where the values are no numbers. */
+/* Factor by which integers become 1 at their type's largest value, `most`; 0 if the values aren't numbers. */
 static double scale_of(hid_t data, double *most) {
     hid_t type = H5Dget_type(data);
     double scale = 0;
@@ -91,14 +92,14 @@ static double scale_of(hid_t data, double *most) {
     return scale;
 }
 
-/* Whether what is stored can be this many values; deflate shrinks by at most 1032 (zlib's documentation). */
+/* 1 if the stored bytes can hold so many values: deflate packs by at most 1032 (zlib's documentation). */
 static int holds(hid_t data, const hsize_t *shape, int rank) {
     double stored = (double)H5Dget_storage_size(data), values = 1;
     for (int i = 0; i < rank; i++) values *= (double)shape[i];
     return values <= 1032.0 * stored;
 }
 
-/* Fails with the names that the file has instead. */
+/* The error for a file without frames, which lists the names of its datasets. */
 static tides_status refuse_names(const char *path, hid_t file, tides_error *error) {
     char list[256] = "", name[64];
     H5G_info_t info = {.nlinks = 0};
@@ -125,7 +126,7 @@ static tides_status open_data(tides_frames *frames, hdf5_file *f, tides_error *e
     const int rank = shape_of(f->data, shape);
     if (rank < 0 || !(f->scale > 0))
         return td_fail(error, TIDES_BAD_FILE, "%s: its frames aren't an array of numbers", frames->path);
-    if (frames->options.planes > 1) f->scale = 1; /* of voxels integers are counts */
+    if (frames->options.planes > 1) f->scale = 1; /* integers in voxels are counts */
     tides_status status = td_h5_check_filters(frames->path, "the dataset of frames", f->data, error);
     if (status != TIDES_OK) return status;
     if (!holds(f->data, shape, rank))

@@ -1,4 +1,4 @@
-/* Whether a path is one of frames, where nobody says what it is: by the signs that the sources themselves go by. */
+/* Tells if a path given alone is one of frames, by the same features by which the sources recognise their files. */
 #include "td_frames.h"
 
 #include "archive/td_h5_driver.h"
@@ -20,7 +20,7 @@ static int holds_pictures(const char *path) {
     return found;
 }
 
-/* Its header alone is looked at: (frames, height, width) of numbers. */
+/* 1 for an .npy whose header has the shape (frames, height, width) of numbers. */
 static int is_array(const char *path) {
     char head[512] = {0};
     FILE *file = fopen(path, "rb");
@@ -28,7 +28,7 @@ static int is_array(const char *path) {
     if (file) fclose(file);
     if (got < 16 || memcmp(head, "\x93NUMPY", 6) != 0) return 0;
     for (size_t i = 0; i < got; i++)
-        if (!head[i]) head[i] = ' '; /* of the header's own length */
+        if (!head[i]) head[i] = ' '; /* within the header's length field */
     const char *shape = strstr(head, "'shape': ("), *end = shape ? strchr(shape, ')') : NULL;
     int numbers = 0;
     for (const char *c = shape; c && c < end; c++) numbers += c[0] >= '0' && c[0] <= '9' && !(c[-1] >= '0' && c[-1] <= '9');

@@ -1,4 +1,4 @@
-/* Frames in an .npy or .npz: an array (frames, height, width) or of voxels (frames, planes, height, width), and its times. */
+/* Frames in an .npy or .npz: an array (frames, height, width), or voxels (frames, planes, height, width), and their times. */
 #include "td_frames.h"
 
 #include "archive/td_npy.h"
@@ -10,7 +10,7 @@
 typedef struct array_file {
     td_npz *npz;
     const td_npy_array *array;
-    double scale; /* of integers */
+    double scale; /* factor of integers */
 } array_file;
 
 static void close_file(void *state) {
@@ -39,7 +39,7 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
     return TIDES_OK;
 }
 
-/* Times beside the frames, where the file has them. */
+/* Reads the times, if the file has them. */
 static tides_status read_times(tides_frames *frames, td_npz *npz, tides_error *error) {
     const char *name = find_name(npz, td_frame_time_arrays);
     const td_npy_array *array = NULL;
@@ -60,7 +60,7 @@ static tides_status read_times(tides_frames *frames, td_npz *npz, tides_error *e
     return TIDES_OK;
 }
 
-/* Integers count to 1 at their type's largest value, `most`, and what is true or false to 1. */
+/* Factor by which integers become 1 at their type's largest value, `most`; booleans become 0 or 1. */
 static double scale_of(const td_npy_array *array, double *most) {
     const td_npy_field *field = td_npy_find_field(array, "");
     if (field && field->kind == 'b') *most = 1;
@@ -86,6 +86,6 @@ tides_status td_frames_npy(tides_frames *frames, tides_error *error) {
     status = td_npz_get(f->npz, name, &f->array, error);
     if (status == TIDES_OK) status = td_frames_take_dims(frames, frames->path, f->array->shape, f->array->ndim, error);
     if (status != TIDES_OK) return status;
-    f->scale = frames->options.planes > 1 ? 1 : scale_of(f->array, &frames->most); /* of voxels integers are counts */
+    f->scale = frames->options.planes > 1 ? 1 : scale_of(f->array, &frames->most); /* integers in voxels are counts */
     return read_times(frames, f->npz, error);
 }

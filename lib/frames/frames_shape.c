@@ -1,4 +1,4 @@
-/* Shapes of frame sequences: what a source says of its arrays becomes count and size, or a line that says why not. */
+/* Checks the dimensions of a source's array, and sets count and size of the frames, or fails with the reason. */
 #include "td_frames.h"
 
 tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t count, size_t height, size_t width,
@@ -12,7 +12,7 @@ tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t
     return TIDES_OK;
 }
 
-/* The product of dimensions, or more than any number of planes where it is too large. */
+/* The product of dimensions; a number above the limit of planes if it overflows. */
 static size_t planes_of(const size_t *dims, int count) {
     size_t planes = 1;
     for (int i = 0; i < count; i++)
@@ -22,7 +22,7 @@ static size_t planes_of(const size_t *dims, int count) {
 
 tides_status td_frames_take_dims(tides_frames *frames, const char *what, const size_t *dims, int rank, tides_error *error) {
     const size_t planes = (size_t)frames->options.planes;
-    const int inner = rank - 3; /* dimensions of planes, where the first one is that of frames */
+    const int inner = rank - 3; /* dimensions of planes, if the first one counts frames */
     if (planes == 1 && rank != 3)
         return td_fail(error, TIDES_BAD_FILE, "%s: has %d dimensions; frames have the shape (frames, height, width)", what,
                        rank);

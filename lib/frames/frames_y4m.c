@@ -1,8 +1,8 @@
-/* Frames of a YUV4MPEG2 video (mjpegtools), which is what `ffmpeg -f yuv4mpegpipe` writes: from a .y4m file; or from a pipe or
- * the standard input, kept in an unnamed temporary file, since how many frames there are is known at its end only.
+/* Frames of a YUV4MPEG2 video (mjpegtools), which `ffmpeg -f yuv4mpegpipe` writes: from a .y4m file, a pipe or the standard
+ * input. A pipe is copied to an unnamed temporary file, since the number of frames is known only at its end.
  *
- * Y', Cb, Cr become R', G', B' by BT.601, the matrix that the format knows; chroma of fewer samples is that of the nearest one.
- * frames.transfer then says what these are: "srgb" for what cameras and ffmpeg make. */
+ * Y', Cb, Cr become R', G', B' by BT.601, the format's only matrix. Subsampled chroma is taken from the nearest sample.
+ * frames.transfer tells how R', G', B' code light: "srgb" for videos of cameras and ffmpeg. */
 #include "td_frames.h"
 
 #include <ctype.h>
@@ -17,13 +17,13 @@ typedef struct video {
     FILE *file;
     int32_t is_own; /* 0: the standard input */
     int32_t width, height, depth;
-    int32_t across, down; /* log2 of luma samples per one of chroma */
+    int32_t across, down; /* log2 of luma samples per chroma sample */
     int32_t is_mono, is_full;
-    uint64_t rate, scale; /* frames in so many seconds */
-    off_t *at;            /* (count) where each frame's samples begin */
+    uint64_t rate, scale; /* rate frames in scale seconds */
+    off_t *at;            /* (count) byte offset of each frame's samples */
     size_t count, capacity, bytes;
-    unsigned char *samples; /* (bytes) of one frame, */
-    float *values;          /* (height x width x channels) as R', G', B' */
+    unsigned char *samples; /* (bytes) of a frame, */
+    float *values;          /* (height x width x channels) converted to R', G', B' */
 } video;
 
 static void close_video(void *state) {
@@ -39,7 +39,7 @@ static const char *name_of(const tides_frames *frames) { return strcmp(frames->p
 
 /* -- the header ----------------------------------------------------------------------------------------------------- */
 
-/* A line without its end; 0 where there is none, 1 where there is, 2 where it is too long or doesn't end. */
+/* Reads a line without its end: 1; 0 if the file ends; 2 if the line is too long or has no end. */
 static int read_text(FILE *file, char line[LINE_MAX_BYTES]) {
     size_t length = 0;
     for (int c = getc(file); c != '\n'; c = getc(file)) {
@@ -59,7 +59,7 @@ static int read_whole(const char *text, uint64_t most, uint64_t *value, const ch
     return *value >= 1 && *value <= most;
 }
 
-/* "420jpeg", "422p10", "mono12": how chroma is sampled, and bits. */
+/* Parses the sampling of chroma and the bits: "420jpeg", "422p10", "mono12". */
 static int read_sampling(const char *text, video *v) {
     static const struct {
         const char *name;
@@ -83,7 +83,7 @@ static int read_sampling(const char *text, video *v) {
     return 0;
 }
 
-/* One "Wnnn" of the header; what isn't known says nothing about the samples. */
+/* Parses a header field such as "W640". Unknown fields are skipped, as they don't affect the samples. */
 static const char *read_field(const char *field, video *v) {
     const char *rest = "";
     uint64_t value = 0;
@@ -121,7 +121,8 @@ static tides_status read_header(const tides_frames *frames, video *v, tides_erro
     v->across = v->down = 1;
     for (char *field = strtok_r(line + sizeof magic - 1, " ", &rest); field; field = strtok_r(NULL, " ", &rest)) {
         const char *wrong = read_field(field, v);
-        for (char *c = field; wrong && *c; c++) *c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c; /* of one line */
+        /* so that the error is one line */
+        for (char *c = field; wrong && *c; c++) *c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c;
         if (wrong) return td_fail(error, TIDES_BAD_FILE, "%s: '%.40s' in its header: %s", name_of(frames), field, wrong);
     }
     if (v->width && v->height && v->rate) return TIDES_OK;
@@ -137,7 +138,7 @@ static tides_status fail_short(const tides_frames *frames, const video *v, tides
     return td_fail(error, TIDES_BAD_FILE, "%s: ends within frame %zu", name_of(frames), v->count);
 }
 
-/* Where the frames are, from behind the header to the file's end, `size`. */
+/* Finds the frames, from behind the header to the file's end at `size`. */
 static tides_status find_frames(tides_frames *frames, video *v, off_t size, tides_error *error) {
     const size_t luma = (size_t)v->width * (size_t)v->height,
                  chroma = v->is_mono ? 0 : chroma_side(v->width, v->across) * chroma_side(v->height, v->down);
@@ -164,7 +165,8 @@ static double sample_of(const video *v, size_t at) {
 
 static float within_one(double value) { return value > 0 ? value < 1 ? (float)value : 1.0F : 0.0F; }
 
-/* Samples to R', G', B', or to grey. Studio range has 219 steps of luma from 16 and 224 of chroma about 128, of 8 bits. */
+/* Converts samples to R', G', B', or to grey. Studio range has 219 steps of luma from 16, and 224 of chroma around 128 (for 8
+ * bits). */
 static void to_values(const video *v) {
     const size_t width = (size_t)v->width, height = (size_t)v->height, blue = width * height;
     const size_t row = chroma_side(v->width, v->across), red = blue + row * chroma_side(v->height, v->down);
@@ -197,7 +199,7 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
 
 /* -- opening -------------------------------------------------------------------------------------------------------- */
 
-/* All of a pipe, in a file that has no name and goes with its stream. */
+/* Copies a pipe to an unnamed file, which vanishes when it is closed. */
 static tides_status keep_pipe(const tides_frames *frames, video *v, tides_error *error) {
     static const char gone[] = "can't be kept in a temporary file; is the disk full?";
     FILE *kept = tmpfile();
@@ -231,7 +233,7 @@ tides_status td_frames_y4m(tides_frames *frames, tides_error *error) {
     struct stat facts;
     video *v = td_alloc(1, sizeof *v, error);
     if (!v) return TIDES_NO_MEMORY;
-    frames->most = -1; /* the header says bits and range */
+    frames->most = -1; /* bits and range are in the header */
     frames->source = &source;
     frames->state = v;
     v->is_own = strcmp(frames->path, "-") != 0;

@@ -1,5 +1,5 @@
-/* Ground truth out of the files that data sets have it in, as named planes (tides/truth.h says which). Values that lib/dataset
- * writes come back as they were, but for the rounding of its integers. */
+/* Reads ground truth from the files of data sets as named planes. Files that TIDES has written give the same values, except
+ * for rounding to integers. */
 #include "archive/td_npy.h"
 #include "image/td_exr.h"
 #include "td_folder.h"
@@ -12,7 +12,7 @@
 
 static const char *const displacement[] = {"displacement_u", "displacement_v"};
 
-/* Planes of NaN. */
+/* Makes planes filled with NaN. */
 static tides_status make_planes(int32_t width, int32_t height, const char *const *names, int32_t count, tides_exr **planes,
                                 tides_error *error) {
     const size_t pixels = (size_t)width * (size_t)height;
@@ -34,7 +34,7 @@ static tides_status make_planes(int32_t width, int32_t height, const char *const
 
 /* -- pictures -------------------------------------------------------------------------------------------------------------- */
 
-/* The value as stored: a whole number. */
+/* A value as it is stored, a whole number. */
 static float stored(const td_picture_values *p, size_t i) {
     return (float)rint((double)p->values[i] * (p->bits == 16 ? 65535.0 : 255.0));
 }
@@ -48,7 +48,7 @@ static tides_status take_dsec_flow(const td_picture_values *p, tides_exr **plane
     return status;
 }
 
-/* One plane of the stored numbers over `scale`; 0 is nothing where there is a scale. */
+/* Takes the stored numbers divided by `scale` as a plane; with a scale, 0 means no value. */
 static tides_status take_plane(const td_picture_values *p, const char *name, float scale, tides_exr **planes,
                                tides_error *error) {
     const size_t pixels = (size_t)p->width * (size_t)p->height;

@@ -1,5 +1,5 @@
-/* Balls that bounce on a table. A bounce is a stiff spring and not a jump, so that velocities are continuous: it lasts about
- * 15 ms, as a rubber ball's, and takes some of the speed (Hunt and Crossley's damping, which begins and ends at nothing). */
+/* Balls that bounce on a table. A bounce is a stiff spring and not a jump, so velocities are continuous. It lasts about 15
+ * ms, as for a rubber ball, and takes some of the speed. (Damping is Hunt and Crossley's, which begins and ends at 0.) */
 #include "generate/td_generate.h"
 
 #include "td_math.h"
@@ -15,9 +15,9 @@
 #define DRIFT_RATE 1.3   /* [rad/s]: to and fro on the table */
 
 typedef struct bouncing {
-    double radius, height, height_dot, time; /* of the centre, now */
+    double radius, height, height_dot, time; /* height of the centre; current time */
     double place[3], drift[3], phase;
-    td_turning spin; /* its axis is the world's here, its centre unused */
+    td_turning spin; /* axis in the world; its centre isn't used */
 } bouncing;
 
 static double fall(const void *body, double height, double height_dot) {
@@ -46,7 +46,7 @@ static double chance(const tides_generate_options *options, int32_t number, int3
     return td_hash((int32_t)options->seed, number, 100 + which);
 }
 
-/* In lanes from left to right, the nearer ones lower in the picture. */
+/* Throws a ball. The balls have lanes from left to right, the nearer ones lower in the picture. */
 static void throw_ball(const tides_generate_options *options, int32_t number, bouncing *b) {
     static const double z_axis[3] = {0, 0, 1};
     const double lane = ((number * 0.618034) - floor(number * 0.618034)), tilt = PI * chance(options, number, 0);

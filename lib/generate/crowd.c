@@ -1,5 +1,5 @@
-/* A crowd: things that fly about before a wall, in turn rigid objects, polynomials and keyframes. The rigid ones are objects
- * each; Gaussians of a model share one object and one motion, as in scenes that were trained. */
+/* A crowd: shapes that fly in front of a wall, in turn rigid objects, polynomials and keyframes. Each rigid one is an object.
+ * All Gaussians of the other models share one object and one motion per model, as in trained scenes. */
 #include "generate/td_generate.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -10,16 +10,16 @@
 #include <string.h>
 
 #define PI TD_GENERATE_PI
-#define FRAME_S 0.02 /* between keyframes, where the run isn't longer than FRAMES_MOST of them */
+#define FRAME_S 0.02 /* between keyframes; longer if the run has more than FRAMES_MOST of them */
 enum { RIGID, POLYNOMIAL, KEYFRAMES, MODELS, FRAMES_MOST = 64 };
-#define FLIGHT_MOST 1.3     /* [m]: how far a polynomial flies in all, however long the run */
-#define FADE_LOG_WIDTH -1.6 /* ln of the share of the run for which one that fades is to be seen */
-#define NO_FADE 60          /* ln: as good as for ever */
+#define FLIGHT_MOST 1.3     /* [m]: total flight of a polynomial, for any length of the run */
+#define FADE_LOG_WIDTH -1.6 /* ln of the share of the run in which a fading shape is visible */
+#define NO_FADE 60          /* ln: practically for ever */
 
 typedef struct member {
     int32_t number;
     double centre[3], radius;
-    double reach[3], rate[3], phase[3]; /* to and fro: rigid ones and keyframes */
+    double reach[3], rate[3], phase[3]; /* to and fro, for rigid ones and keyframes */
     double axis[3], spin;               /* in the world [rad/s] */
     double rest[4];
 } member;
@@ -28,7 +28,7 @@ static double chance(const tides_generate_options *options, int32_t number, int3
     return td_hash((int32_t)options->seed, number, 200 + which);
 }
 
-/* Each in a cell of its own of the space before the wall, roughly. */
+/* Places each member roughly in a cell of its own in the space before the wall. */
 static member member_of(const tides_generate_options *options, int32_t number) {
     const double crowding = td_pow(200.0 / options->count, 1.0 / 3), polar = td_acos(2 * chance(options, number, 3) - 1);
     member m = {.number = number};
@@ -61,11 +61,11 @@ static void pose_at(void *shape, tides_pose_sample *sample) {
     td_quaternion_product(turn, m->rest, sample->quaternion);
 }
 
-/* -- what they look like -------------------------------------------------------------------------------------------*/
+/* -- shapes -------------------------------------------------------------------------------------------*/
 
 enum { BALL, DIE, DISC, SHAPES };
 
-/* A shape of radius 1 in colours of its own. */
+/* Builds a shape of radius 1 with its own colours. */
 static void build_shape(td_splats *splats, const tides_generate_options *options, int32_t number) {
     static const int64_t made[SHAPES] = {TD_BALL_GAUSSIANS, TD_DIE_GAUSSIANS, TD_DISC_GAUSSIANS};
     const int32_t shape = number / MODELS % SHAPES;
@@ -106,15 +106,15 @@ static tides_status add_rigid(const tides_generate_options *options, int32_t num
     snprintf(name, sizeof name, "thing %d", (int)number);
     const td_part part = {name, build_rigid, &shape, 0, 0};
     tides_trajectory *path = NULL;
-    tides_status status = td_sample_path(pose_at, &m, options, 0.008, &path, error); /* 0.13 rad of the fastest */
+    tides_status status = td_sample_path(pose_at, &m, options, 0.008, &path, error); /* at most 0.13 rad for the fastest */
     if (status == TIDES_OK) status = td_part_add(scene, &part, path, m.radius, error);
     tides_trajectory_destroy(path);
     return status;
 }
 
-/* -- those that share a motion ----------------------------------------------------------------------------------------*/
+/* -- members with a common motion ----------------------------------------------------------------------------------------*/
 
-/* The Gaussians of all members of a model, still each about the origin, and where each member's begin. */
+/* The Gaussians of all members of a model, each member around the origin, and the first Gaussian of each. */
 typedef struct herd {
     const tides_generate_options *options;
     td_splats splats;
@@ -144,7 +144,7 @@ static tides_status herd_make(const tides_generate_options *options, int32_t mod
     return h->splats.status;
 }
 
-/* A pose put on Gaussian i: where its mean is then, and its quaternion. */
+/* Applies a pose to Gaussian i: sets its mean and quaternion. */
 static void put(const td_gaussians *g, int64_t i, const tides_pose_sample *pose, float mean[3], float quaternion[4]) {
     const double *q = pose->quaternion, own[4] = {0, g->mean[3 * i], g->mean[3 * i + 1], g->mean[3 * i + 2]};
     const double back[4] = {q[0], -q[1], -q[2], -q[3]};
@@ -158,7 +158,7 @@ static void put(const td_gaussians *g, int64_t i, const tides_pose_sample *pose,
     for (int k = 0; k < 4; k++) quaternion[k] = (float)product[k];
 }
 
-/* All members at `time`: means (N x 3) and quaternions (N x 4). */
+/* Sets means (N x 3) and quaternions (N x 4) of all members at `time`. */
 static void put_all(const herd *h, double time, float *mean, float *quaternion) {
     for (int32_t m = 0; m < h->members; m++) {
         tides_pose_sample pose = {.time = h->options->speed * time};
@@ -266,7 +266,7 @@ static tides_status add_keyframes(const tides_generate_options *options, tides_s
     tides_motion *motion = NULL;
     tides_status status = herd_make(options, KEYFRAMES, &h, error);
     if (status == TIDES_OK) status = keyframe_motion(&h, &motion, error);
-    if (status == TIDES_OK) { /* the appearance at the start, for readers of the Gaussians alone */
+    if (status == TIDES_OK) { /* appearance at the start, for programs that read only the Gaussians */
         put_all(&h, 0, h.splats.gaussians.mean, h.splats.gaussians.quaternion);
         status = add_herd(&h, motion, "things in keyframes", scene, error);
     }

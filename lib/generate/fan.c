@@ -1,5 +1,5 @@
-/* A fan before a room: stand and guard at rest, and the blades with their hub, which are an object of their own. The blades are
- * built in the fan's own axes: x and y in its plane, z along the shaft towards the viewer. */
+/* A fan in a room: stand and guard at rest, and the blades with their hub as another object. Blades are built in the fan's
+ * axes: x and y in its plane, z along the shaft towards the viewer. */
 #include "generate/td_generate.h"
 
 #include "td_math.h"
@@ -23,7 +23,7 @@ static void fan_axes(double rotation[9]) {
     memcpy(rotation, made, sizeof made);
 }
 
-/* From the fan's axes to the world. */
+/* Converts from the fan's axes to the world. */
 static void place(double x, double y, double z, double point[3]) {
     double r[9];
     fan_axes(r);
@@ -34,7 +34,7 @@ static void place(double x, double y, double z, double point[3]) {
 
 /* -- blades ----------------------------------------------------------------------------------------------------------- */
 
-/* A blade sweeps back with the radius, is widest at two thirds, and is pitched like a propeller. */
+/* Surface of a blade: it sweeps back with the radius, is widest at two thirds, and is pitched like a propeller. */
 static void blade_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     static const double hues[BLADES][3] = {{0.90, 0.20, 0.22},
                                            {0.98, 0.66, 0.12},
@@ -44,21 +44,21 @@ static void blade_surface(const void *shape, double u, double v, double point[3]
     static const double white[3] = {0.97, 0.96, 0.93};
     const int32_t blade = *(const int32_t *)shape;
     const double radius = 0.13 + (FAN_RADIUS - 0.13) * u;
-    const double past = fmax(u - 0.9, 0) / 0.105; /* where it is rounded off */
+    const double past = fmax(u - 0.9, 0) / 0.105; /* where the tip is rounded */
     const double half_width = 0.33 * td_pow(td_sin(PI * (0.18 + 0.72 * u)), 0.6) * sqrt(1 - past * past);
     const double angle = 2 * PI * blade / BLADES - 0.55 * u + (2 * v - 1) * half_width;
     point[0] = radius * td_cos(angle);
     point[1] = radius * td_sin(angle);
     point[2] = 0.14 * (2 * v - 1) * half_width * (1.3 - 0.6 * u);
     memcpy(colour, hues[blade], sizeof white);
-    /* Bands, chevrons, dots, stripes, rings of diamonds: each blade its own pattern. */
+    /* Each blade has its own pattern: bands, chevrons, dots, stripes, or rings of diamonds. */
     const double a = 5 * u, b = 3 * v;
     const double cell = td_hypot(a - floor(a) - 0.5, b - floor(b) - 0.5),
                  diamond = fabs(a - floor(a) - 0.5) + fabs(b - floor(b) - 0.5);
     const int32_t patterns[BLADES] = {(int32_t)floor(a) % 2, (int32_t)floor(a + 3 * fabs(v - 0.5)) % 2, cell < 0.3,
                                       (int32_t)floor(b) % 2, diamond < 0.34};
     if (u > 0.15 && patterns[blade]) memcpy(colour, white, sizeof white);
-    const double gloss = 0.80 + 0.25 * v; /* the leading edge catches the light */
+    const double gloss = 0.80 + 0.25 * v; /* the leading edge is brighter */
     for (int i = 0; i < 3; i++) colour[i] = fmin(1.0, colour[i] * gloss);
 }
 
@@ -100,7 +100,7 @@ static void build_stand(td_splats *splats, const void *shape) {
     td_build_tube(splats, &motor);
 }
 
-/* Wire rings and spokes in front of the blades: thin, so that what turns behind is seen through them. */
+/* Wire rings and spokes in front of the blades: so thin that the turning blades are visible. */
 static void build_guard(td_splats *splats, const void *shape) {
     enum { PIECES = 96, SPOKES = 16 };
     static const double chrome[3] = {0.86, 0.88, 0.92}, radii[] = {0.86, 0.56, 0.30};

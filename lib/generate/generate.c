@@ -1,4 +1,4 @@
-/* The kinds of worlds, their options, and one entry to all of them. */
+/* The kinds of generated worlds, their options, and the function that makes any of them. */
 #include "generate/td_generate.h"
 #include "td_base.h"
 #include "td_struct.h"
@@ -7,17 +7,17 @@
 #include <pthread.h>
 #include <string.h>
 
-#define LONGEST_S 600.0 /* paths of a minute and more are for files, not for generators */
+#define LONGEST_S 600.0 /* longer paths should come from files */
 #define FASTEST 1000.0
 #define MOST_GAUSSIANS 20000000 /* 1.1 GB as arrays, and twice that while a file is written */
 #define MOST_PIXELS 8192
-#define FOCAL_PER_WIDTH (300.0 / 346.0) /* of the image's width: 60 degrees across */
+#define FOCAL_PER_WIDTH (300.0 / 346.0) /* focal length per width: 60 degrees across */
 
 typedef struct kind {
     tides_generator shown;
     tides_status (*make)(const tides_generate_options *options, tides_world *world, tides_error *error);
     double background[3];
-    double up; /* along y; 0: walls alone, which may as well lie */
+    double up; /* along y; 0: only walls, for which no direction is up */
 } kind;
 
 #define DARK \
@@ -89,7 +89,7 @@ static tides_status find(const char *name, const kind **found, tides_error *erro
                    : td_fail(error, TIDES_BAD_ARGUMENT, "unknown kind of scene '%.80s': must be %s", name, list);
 }
 
-/* Numbers of objects and Gaussians, defaults put in. */
+/* Sets the numbers of objects and Gaussians, by default or option. */
 static tides_status settle_counts(const tides_generator *g, tides_generate_options *o, tides_error *error) {
     if (o->count && !g->counted)
         return td_fail(error, TIDES_BAD_ARGUMENT, "count is %d: a %s has none", (int)o->count, g->name);

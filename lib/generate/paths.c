@@ -1,5 +1,5 @@
-/* Paths of the cameras and objects in generated worlds. A path is sampled from a formula that also gives exact rates. Objects
- * that swing or fall (pendulum.c, balls.c) have no closed formula: a small integrator gives their motion. */
+/* Paths of cameras and objects in generated worlds, sampled from formulas that also give exact rates. Objects that swing or
+ * fall have no closed formula: a small integrator computes their motion. */
 #include "generate/td_generate.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The quintic spline through the samples (camera/curve.c) errs most in its first and last segments. On short paths this many
- * samples keep those two apart. camera/generators.c has the same number. */
+/* The quintic spline through the samples has its largest errors in the first and last segment. With this many samples, short
+ * paths keep these two apart. */
 #define FEWEST_SAMPLES 9
 #define MOST_SAMPLES 5e6 /* 2.3 GB with the path that is made of them */
-/* Longest step of the integrator [s]. The fastest motion is the bounce of a ball, half a period of 15 ms (balls.c): 60 steps.
- * Within the bounce, one step of fourth order then errs by 3e-9 of its amplitude, (pi / 60)^5 / 120. */
+/* Longest step of the integrator [s]. The fastest motion is a ball's bounce, a half period of 15 ms: 60 steps. A step of
+ * fourth order within it has an error of 3e-9 of its amplitude, (pi / 60)^5 / 120. */
 #define STEP_S 0.00025
 
 tides_status td_sample_path(td_pose_at pose, void *shape, const tides_generate_options *options, double step,

@@ -1,4 +1,4 @@
-/* Pendulums one behind the other, from a beam that runs aslant through the room. */
+/* Pendulums one behind the other, on a beam that crosses the room diagonally. */
 #include "generate/td_generate.h"
 
 #include "td_math.h"
@@ -7,13 +7,13 @@
 #include <stdio.h>
 
 #define GRAVITY 9.81   /* [m/s^2] */
-#define RELEASE 0.62   /* [rad] from which they are let go */
-#define STAGGER_S 0.37 /* between one's release and the next one's */
+#define RELEASE 0.62   /* [rad] at release */
+#define STAGGER_S 0.37 /* between the releases of two neighbours */
 #define BEAM_Y 1.0
 
 typedef struct pendulum {
     double pivot[3], length, radius;
-    double angle, angle_dot, time; /* now */
+    double angle, angle_dot, time; /* current values */
     td_disc bob;
     double detail;
 } pendulum;
@@ -24,7 +24,7 @@ static double swing(const void *body, double angle, double angle_dot) {
     return -GRAVITY / p->length * td_sin(angle);
 }
 
-/* About the pivot, which stays. */
+/* Sets the pose of a pendulum; the pivot is fixed. */
 static void pose_at(void *shape, tides_pose_sample *sample) {
     static const double axis[3] = {0, 0, 1};
     pendulum *p = shape;

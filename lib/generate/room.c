@@ -1,4 +1,4 @@
-/* The parts of a room that stand still: a brick wall with two posters, a wooden table, and three balls. */
+/* The static parts of a room: a brick wall with two posters, a wooden table, and three balls. */
 #include "generate/td_generate.h"
 #include "tides/image.h"
 #include "td_math.h"
@@ -12,7 +12,7 @@ static void mix(const double a[3], const double b[3], double share, double mixed
     for (int i = 0; i < 3; i++) mixed[i] = a[i] + share * (b[i] - a[i]);
 }
 
-/* -- wall: a big soft splat or two per brick, thin light mortar lines and dark specks in front of them ------------------- */
+/* -- wall: one or two big soft splats per brick; thin mortar lines and dark specks in front ------------------- */
 
 enum { COURSES = 27 };
 #define BRICK_WIDTH 0.36
@@ -20,7 +20,8 @@ enum { COURSES = 27 };
 #define WALL_LEFT (-2.9)
 #define WALL_RIGHT 2.9
 #define WALL_BOTTOM (-1.65)
-#define WALL_STEP 0.03 /* mortar and specks stay in front of the bricks under any small turn of the camera */
+/* distance of mortar and specks from the bricks, so that no small turn of the camera changes their order */
+#define WALL_STEP 0.03
 
 static const double right[3] = {1, 0, 0}, up[3] = {0, 1, 0};
 
@@ -79,7 +80,7 @@ static void sheet_surface(const void *shape, double u, double v, double point[3]
     mix(s->colour, s->faded, v, colour);
 }
 
-/* The letters of the poster, one splat per dot of the library's own face. */
+/* Draws letters on the poster, with a splat for each dot of the library's bitmap font. */
 static void poster_text(td_splats *splats, const char *text, double left, double top, double z, const double colour[3]) {
     enum { COLUMNS = 36, ROWS = 9 };
     static const uint8_t ink[3] = {1, 1, 1};
@@ -94,7 +95,7 @@ static void poster_text(td_splats *splats, const char *text, double left, double
     }
 }
 
-/* TIDES over three waves. */
+/* A poster with TIDES over three waves. */
 static void title_poster(td_splats *splats) {
     static const sheet paper = {-1.92, 0.42, 1.06, 0.78, TD_WALL_Z + 0.08, {0.04, 0.20, 0.36}, {0.05, 0.36, 0.52}};
     static const double white[3] = {0.97, 0.95, 0.88}, foam[3] = {0.45, 0.86, 0.86};
@@ -110,7 +111,7 @@ static void title_poster(td_splats *splats) {
         }
 }
 
-/* A Siemens star: every spatial frequency at once. */
+/* A Siemens star, which has every spatial frequency. */
 static void star_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     static const double white[3] = {0.95, 0.94, 0.90}, black[3] = {0.07, 0.07, 0.09};
     const double *centre = shape, radius = 0.03 + 0.40 * v, angle = -2 * PI * u; /* faces the room */

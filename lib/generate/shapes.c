@@ -1,4 +1,4 @@
-/* Shapes of radius 1 that the generators move about, and tubes. */
+/* Shapes of radius 1 for the generators of worlds (ball, disc, die), and tubes. */
 #include "generate/td_generate.h"
 
 #include "td_math.h"
@@ -12,10 +12,10 @@ static void paint(const double from[3], double colour[3]) { memcpy(colour, from,
 
 /* -- colours ------------------------------------------------------------------------------------------------------------ */
 
-/* A hue in [0, 1) as sRGB, and its paler or darker companion. */
+/* Converts a hue in [0, 1) to sRGB, with a given saturation and brightness. */
 static void hue_colour(double hue, double share, double light, double colour[3]) {
     for (int k = 0; k < 3; k++) {
-        const double ramp = fabs(fmod(6 * hue + 4 - 2 * k, 6) - 3) - 1; /* the usual hexagon */
+        const double ramp = fabs(fmod(6 * hue + 4 - 2 * k, 6) - 3) - 1; /* the usual hexagonal ramp */
         colour[k] = light * (1 - share + share * fmin(fmax(ramp, 0), 1));
     }
 }
@@ -23,7 +23,7 @@ static void hue_colour(double hue, double share, double light, double colour[3])
 void td_colour_pair(uint64_t seed, int32_t number, double light[3], double dark[3]) {
     const int32_t low = (int32_t)(seed & 0x7fffffff), high = (int32_t)(seed >> 33);
     const double first = td_hash(low, high, -1);
-    const double hue = fmod(first + 0.618034 * number, 1.0); /* the golden ratio keeps neighbours apart */
+    const double hue = fmod(first + 0.618034 * number, 1.0); /* steps of the golden ratio keep neighbours apart */
     if (td_hash(low, high, number) < 0.5) {
         hue_colour(hue, 0.10, 0.97, light);
         hue_colour(hue, 0.80, 0.80, dark);
@@ -47,7 +47,7 @@ static void ball_colour(const td_ball *b, double u, double v, double colour[3]) 
         paint(td_hypot(across - meridian - 0.5, upwards - parallel - 0.5) < 0.34 ? b->light : b->dark, colour);
 }
 
-/* The pole leans towards the camera, so that a pattern doesn't look like a globe on its stand. */
+/* Surface of a ball. Its pole leans towards the camera, so that a pattern doesn't look like a globe. */
 static void ball_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     const double longitude = 2 * PI * u, latitude = PI * (v - 0.5), lean = 0.6;
     const double y = td_sin(latitude), z = td_cos(latitude) * td_cos(longitude);
@@ -66,7 +66,7 @@ static void disc_surface(const void *shape, double u, double v, double point[3],
     const double radius = 0.04 + 0.96 * v, angle = -2 * PI * u; /* faces +z */
     point[0] = radius * td_cos(angle);
     point[1] = radius * td_sin(angle);
-    /* Vanes: neighbours differ in depth, and stay in their order as it turns. */
+    /* Sectors are tilted vanes: neighbours differ in depth, and keep their order as the disc turns. */
     point[2] = 0.12 * (disc->sectors * u - floor(disc->sectors * u)) + 0.1 * (1 - v);
     paint((int32_t)floor(disc->sectors * u + (v > 0.55 ? 0.5 : 0)) % 2 ? disc->light : disc->dark, colour);
 }
@@ -75,13 +75,13 @@ void td_build_disc(td_splats *splats, const void *disc) { td_splats_cover(splats
 
 /* -- die ---------------------------------------------------------------------------------------------------------------- */
 
-/* One face: `half` along its normal and across its two edges. */
+/* A face of the die: `half` along its normal and along its two edges. */
 typedef struct die_face {
     const td_die *die;
     int axis, sign, pips;
 } die_face;
 
-/* Whether a place on the face, -1 to 1 both ways, is in a pip. */
+/* 1 if a place on the face, in [-1, 1]^2, is in a pip. */
 static int on_pip(int pips, double a, double b) {
     static const double where[7][2] = {{0, 0}, {-0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}, {0.5, -0.5}, {-0.5, 0}, {0.5, 0}};
     for (int i = pips % 2 ? 0 : 1; i < pips + (pips % 2 ? 0 : 1); i++)
@@ -91,7 +91,8 @@ static int on_pip(int pips, double a, double b) {
 
 static void die_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     const die_face *face = shape;
-    const double half = sqrt(1.0 / 3.0), a = 2 * u - 1, b = face->sign * (2 * v - 1); /* the sign keeps normals outside */
+    /* the sign makes normals point outwards */
+    const double half = sqrt(1.0 / 3.0), a = 2 * u - 1, b = face->sign * (2 * v - 1);
     point[face->axis] = face->sign * half;
     point[(face->axis + 1) % 3] = half * a;
     point[(face->axis + 2) % 3] = half * b;
@@ -108,7 +109,7 @@ void td_build_die(td_splats *splats, const void *die) {
 
 /* -- tube --------------------------------------------------------------------------------------------------------------- */
 
-/* A cylinder whose axis isn't along z gets its side from x, so that u runs alike on all of them. */
+/* Surface of a cylinder. If its axis isn't along z, u starts on the side of x, so that it is consistent on all tubes. */
 static void tube_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     const td_tube *t = shape;
     double axis[3], side[3], other[3], length = 0;

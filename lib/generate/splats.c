@@ -1,4 +1,4 @@
-/* Builds Gaussians from surfaces: flat ones that lie in the surface, shaded once by a fixed light. */
+/* Builds Gaussians from surfaces: flat ones within the surface, shaded once by a fixed light. */
 #include "generate/td_generate.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define OPACITY_LOGIT 2.944 /* logit of 0.95 */
-#define OVERLAP 0.62        /* standard deviation over spacing: smooth and without holes */
+#define OVERLAP 0.62        /* standard deviation over spacing: smooth, without holes */
 #define THICKNESS 0.002     /* [m] standard deviation along the normal */
 
 void td_splats_start(td_splats *splats, tides_error *error) {
@@ -30,7 +30,7 @@ double td_hash(int32_t a, int32_t b, int32_t c) {
     return (double)(h ^ h >> 15) / 4294967296.0;
 }
 
-/* Room for one more in an array of `width` floats each; the five arrays grow alike. */
+/* Makes room for one more in an array with `width` floats each; all five arrays grow alike. */
 static int reserve_one(td_splats *s, float **array, size_t width, size_t *capacity) {
     if (s->status != TIDES_OK) return 0;
     void *memory = *array;
@@ -65,7 +65,7 @@ static double normalise(double a[3]) {
     return length;
 }
 
-/* Quaternion (wxyz) of the rotation whose columns are u, v, n; from the largest of the four squares, so never near 0/0. */
+/* Quaternion (wxyz) of the rotation with columns u, v, n, computed from the largest of the four squares, so never near 0/0. */
 static void quaternion_of(const double u[3], const double v[3], const double n[3], double q[4]) {
     const double squares[4] = {1 + u[0] + v[1] + n[2], 1 + u[0] - v[1] - n[2], 1 - u[0] + v[1] - n[2], 1 - u[0] - v[1] + n[2]};
     int big = 0;
@@ -78,7 +78,7 @@ static void quaternion_of(const double u[3], const double v[3], const double n[3
     memcpy(q, rows[big], sizeof rows[big]);
 }
 
-/* Diffuse light from the upper left, in front, over some ambient; colours are sRGB here and linear in the scene. */
+/* Diffuse light from the upper left in front, and ambient light. Colours are sRGB here, and linear in the scene. */
 static double shade(const double normal[3]) {
     static const double light[3] = {-0.42, 0.60, 0.68};
     double lit = dot(normal, light);
@@ -124,7 +124,7 @@ void td_splats_cover(td_splats *splats, td_surface surface, const void *shape, i
             surface(shape, u, v + h * dv, ends[3], unused);
             surface(shape, u, v, point, colour);
             for (int k = 0; k < 3; k++) {
-                along[k] = (ends[1][k] - ends[0][k]) / (2 * h); /* one cell's edges */
+                along[k] = (ends[1][k] - ends[0][k]) / (2 * h); /* edges of a cell */
                 across[k] = (ends[3][k] - ends[2][k]) / (2 * h);
             }
             const double sigma[3] = {fmax(OVERLAP * sqrt(dot(along, along)), splats->thickness),

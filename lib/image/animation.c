@@ -1,5 +1,5 @@
-/* Animations (APNG, Y4M, numbered PNGs) behind tides_animation: the format from the file's ending, sizes checked, written
- * beside and renamed. Each format encodes in its own file. */
+/* Writes animations (APNG, Y4M, numbered PNGs): finds the format from the file's ending, checks sizes, writes PATH.part and
+ * renames it. */
 #include "td_animation.h"
 
 #include <errno.h>
@@ -25,7 +25,7 @@ static const td_animation_format *format_of(const char *path) {
     return td_animation_is_numbered(path) ? &td_animation_numbered : &td_animation_apng;
 }
 
-/* As a fraction of 16-bit numbers, which is what APNG has: thousandths where they fit, else coarser. */
+/* Sets the rate as a fraction of 16-bit numbers, as APNG has it: in thousandths if they fit, else coarser. */
 static void set_rate(tides_animation *a, double pictures_per_second) {
     a->rate_scale = 1000;
     while (pictures_per_second * a->rate_scale > 65535.0) a->rate_scale /= 10;
@@ -41,7 +41,7 @@ static void free_animation(tides_animation *a) {
     free(a);
 }
 
-/* NULL with the reason in `status`. */
+/* Allocates an animation; NULL with the reason in `status`. */
 static tides_animation *create(const char *name, const td_animation_format *format, int32_t width, int32_t height, double rate,
                                tides_status *status, tides_error *error) {
     *status = TIDES_OK;
@@ -63,7 +63,7 @@ static tides_animation *create(const char *name, const td_animation_format *form
     return made;
 }
 
-/* Writes what comes first, unless opening failed already; hands over the animation, or ends it. */
+/* Writes the beginning, unless opening failed already. Returns the animation, or ends it on failure. */
 static tides_status begin(tides_animation *a, tides_status opened, tides_animation **animation, tides_error *error) {
     const tides_status status = opened == TIDES_OK && a->format->begin ? a->format->begin(a, error) : opened;
     if (status == TIDES_OK)
@@ -75,7 +75,8 @@ static tides_status begin(tides_animation *a, tides_status opened, tides_animati
 
 static tides_status open_part(tides_animation *a, tides_error *error) {
     char *part = NULL;
-    const tides_status named = td_part_name(a->path, a->format == &td_animation_y4m, &part, error); /* an APNG counts first */
+    /* an APNG needs seeking, for its number of pictures */
+    const tides_status named = td_part_name(a->path, a->format == &td_animation_y4m, &part, error);
     if (named != TIDES_OK) return named;
     a->file = td_part_open(part, a->path);
     if (a->file) {
@@ -101,7 +102,7 @@ tides_status tides_animation_open(const char *path, int32_t width, int32_t heigh
     return begin(made, format == &td_animation_numbered ? TIDES_OK : open_part(made, error), animation, error);
 }
 
-/* On a copy of the descriptor, so that closing ours leaves the caller's open. */
+/* Opens a copy of the descriptor, so that closing it leaves the caller's open. */
 static tides_status open_stream(tides_animation *a, int32_t descriptor, tides_error *error) {
     const int copy = dup(descriptor);
     a->file = copy < 0 ? NULL : fdopen(copy, "wb");
@@ -127,7 +128,7 @@ tides_status tides_animation_append(tides_animation *animation, const uint8_t *r
     return status;
 }
 
-/* Closes the file; a stream is flushed so. */
+/* Closes the file, which also flushes a stream. */
 static tides_status close_file(tides_animation *a, tides_error *error) {
     FILE *file = a->file;
     a->file = NULL;

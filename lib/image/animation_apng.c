@@ -1,5 +1,5 @@
-/* Animated PNG (PNG, third edition, 11.3.6): the first picture as an ordinary PNG, then the others in chunks of their own.
- * libpng encodes each picture into memory; its chunks are then copied, with IDAT turned into fdAT after the first. */
+/* Animated PNG (PNG, third edition, 11.3.6): the first picture is an ordinary PNG, and the others follow in chunks. libpng
+ * encodes each picture into memory. Its chunks are copied; after the first picture, IDAT becomes fdAT. */
 #include "td_animation.h"
 #include "td_png.h"
 #include "td_endian.h"
@@ -11,7 +11,7 @@
 
 enum { SIGNATURE = 8, CHUNK_OVERHEAD = 12 /* length, type, CRC */ };
 
-/* A chunk of `extra` bytes, then `size` of `data`. */
+/* Writes a chunk with `extra` bytes, then `size` bytes of `data`. */
 static tides_status put_chunk(tides_animation *a, const char *type, const uint8_t *extra, size_t extra_size,
                               const uint8_t *data, size_t size, tides_error *error) {
     uint8_t head[8], tail[4];
@@ -27,14 +27,14 @@ static tides_status put_chunk(tides_animation *a, const char *type, const uint8_
     return status == TIDES_OK ? td_animation_put(a, tail, sizeof tail, error) : status;
 }
 
-/* Animation control: how many pictures, played how often (0: for ever). */
+/* Writes the animation control: number of pictures, and number of plays (0: for ever). */
 static tides_status put_control(tides_animation *a, tides_error *error) {
     uint8_t control[8] = {0};
     td_put_be32(control, (uint32_t)a->count);
     return put_chunk(a, "acTL", NULL, 0, control, sizeof control, error);
 }
 
-/* Frame control: the whole picture, replacing the one before. */
+/* Writes a frame control: the whole picture, replacing the one before. */
 static tides_status put_frame_control(tides_animation *a, tides_error *error) {
     uint8_t control[26] = {0};
     td_put_be32(control, a->sequence++);
@@ -52,14 +52,14 @@ static tides_status put_data(tides_animation *a, const uint8_t *data, size_t siz
     return put_chunk(a, "fdAT", number, sizeof number, data, size, error);
 }
 
-/* Writes the chunks before the first picture's data, with room for the controls. */
+/* Writes the chunks in front of the first picture's data, and leaves room for the animation control. */
 static tides_status put_opening(tides_animation *a, const uint8_t *png, size_t size, tides_error *error) {
     tides_status status = td_animation_put(a, png, size, error);
     a->counter_at = (long)size;
     return status == TIDES_OK ? put_control(a, error) : status;
 }
 
-/* Copies one PNG, which our own encoder made: its chunks are what they should be. */
+/* Copies the chunks of a PNG from our own encoder. */
 static tides_status copy(tides_animation *a, const uint8_t *png, size_t size, tides_error *error) {
     tides_status status = TIDES_OK;
     int begun = 0;

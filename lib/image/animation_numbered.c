@@ -1,4 +1,4 @@
-/* A PNG for each picture, its number in the name. */
+/* An animation as numbered pictures: a PNG for each picture, with its number in the name. */
 #include "td_animation.h"
 
 #include <ctype.h>
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The %d of a path, and its length; NULL where there is none, or another %. */
+/* Finds the %d of a path, and its length; NULL if there is none, or another %. */
 static const char *find_number(const char *path, size_t *length) {
     const char *percent = strchr(path, '%');
     if (!percent || strchr(percent + 1, '%')) return NULL;
@@ -22,10 +22,10 @@ int td_animation_is_numbered(const char *path) {
     return find_number(path, &length) != NULL;
 }
 
-/* The name of picture `index`, allocated. The width is the digit ahead of the d; shorter numbers get zeros, since names
- * shouldn't have spaces. */
+/* The name of picture `index`, allocated. The digit in %4d is the width; numbers are padded by zeros, since names shouldn't
+ * have spaces. */
 static char *name_of(const tides_animation *animation, uint64_t index, tides_error *error) {
-    size_t length = 2; /* what finding it sets */
+    size_t length = 2; /* set by find_number */
     const char *number = find_number(animation->path, &length);
     const int width = isdigit((unsigned char)number[length - 2]) ? number[length - 2] - '0' : 1;
     return td_format(error, "%.*s%0*llu%s", (int)(number - animation->path), animation->path, width, (unsigned long long)index,
@@ -40,7 +40,7 @@ static tides_status append(tides_animation *animation, const uint8_t *rgb, tides
     return status;
 }
 
-/* Pictures of an earlier, longer animation that follow would be taken for this one's end. */
+/* Removes pictures with higher numbers of an earlier, longer animation: they would look like a part of this one. */
 static tides_status end(tides_animation *animation, tides_error *error) {
     int removed = 1;
     for (uint64_t index = animation->count; removed; index++) {

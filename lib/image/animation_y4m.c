@@ -1,7 +1,8 @@
-/* YUV4MPEG2 video as mjpegtools define it: a line of text, then for each picture "FRAME" and its planes Y, Cb, Cr. */
+/* Writes YUV4MPEG2 video (mjpegtools): a line of text, then for each picture "FRAME" and its planes Y, Cb, Cr. */
 #include "td_animation.h"
 
-/* ITU-R BT.601 in studio range: Y 16 to 235, Cb and Cr 16 to 240 about 128. Readers assume it where the file doesn't say. */
+/* ITU-R BT.601 in studio range: Y 16 to 235, Cb and Cr 16 to 240 around 128. Readers assume it if the file doesn't say
+ * otherwise. */
 static void to_ycbcr(const uint8_t *rgb, size_t pixels, uint8_t *planes) {
     for (size_t i = 0; i < pixels; i++) {
         const double r = rgb[3 * i] / 255.0, g = rgb[3 * i + 1] / 255.0, b = rgb[3 * i + 2] / 255.0;

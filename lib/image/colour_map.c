@@ -1,4 +1,4 @@
-/* The sRGB transfer function and the colour maps. */
+/* Converts light to 8-bit sRGB, and values to colours by colour maps, for previews and figures. */
 #include "td_colour_map.h"
 
 #include "td_math.h"
@@ -7,16 +7,16 @@
 
 static double clamp(double value, double low, double high) { return value < low ? low : value > high ? high : value; }
 
-/* IEC 61966-2-1. */
+/* The sRGB curve (IEC 61966-2-1). */
 uint8_t td_srgb(double linear) {
     double c = clamp(linear, 0.0, 1.0);
     c = c <= 0.0031308 ? 12.92 * c : 1.055 * td_pow(c, 1.0 / 2.4) - 0.055;
     return (uint8_t)(255.0 * c + 0.5);
 }
 
-/* Made for TIDES in CIE Lab: hues 282 degrees (blue) and 33 (red), which people with any colour blindness tell apart;
- * lightness 97 - 67 |v|^1.1 alike on both sides, so that equal magnitudes look equally strong; chroma up to 62 where sRGB
- * reaches it. */
+/* Made for TIDES in CIE Lab. The hues are 282 degrees (blue) and 33 (red), which people with any colour blindness can
+ * distinguish. Lightness 97 - 67 |v|^1.1 is equal on both sides, so equal magnitudes look equally strong. Chroma is up to 62
+ * within sRGB. */
 /* clang-format off */
 static const uint8_t anchors[17][3] = {
     {0, 70, 139}, {0, 92, 177}, {0, 114, 217}, {66, 136, 240}, {109, 158, 254}, {153, 181, 255},
@@ -32,7 +32,7 @@ void td_colour_signed(double value, uint8_t rgb[3]) {
     for (int c = 0; c < 3; c++) rgb[c] = (uint8_t)((1.0 - part) * anchors[below][c] + part * anchors[below + 1][c] + 0.5);
 }
 
-/* Made for TIDES in CIE Lab: lightness 14 to 95, hues 305 degrees to 100, chroma up to 58 where sRGB reaches it. */
+/* Made for TIDES in CIE Lab: lightness 14 to 95, hues 305 to 100 degrees, chroma up to 58 within sRGB. */
 /* clang-format off */
 static const uint8_t ramp[9][3] = {
     {30, 19, 104}, {0, 58, 112}, {0, 86, 124}, {0, 115, 139}, {3, 145, 151}, {1, 177, 151}, {85, 206, 130}, {177, 227, 120},
@@ -49,7 +49,8 @@ void td_colour_ramp(double value, uint8_t rgb[3]) {
 
 void td_colour_wheel(double hue, double saturation, double value, uint8_t rgb[3]) {
     for (int c = 0; c < 3; c++) {
-        double turned = hue - c / 3.0, apart = fabs(turned - floor(turned + 0.5)); /* from the channel's own hue: 0 to 1/2 */
+        /* turns from the channel's own hue: 0 to 1/2 */
+        double turned = hue - c / 3.0, apart = fabs(turned - floor(turned + 0.5));
         double pure = clamp(2.0 - 6.0 * apart, 0.0, 1.0);
         rgb[c] = (uint8_t)(255.0 * value * (1.0 - saturation * (1.0 - pure)) + 0.5);
     }

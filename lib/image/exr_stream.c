@@ -1,5 +1,5 @@
-/* OpenEXRCore's input and output on a file descriptor of ours, for image_exr.c and image_exr_read.c: so that the first error
- * is kept, and files appear whole. */
+/* Lets OpenEXRCore read and write through our own file descriptor, so that the first error is kept, and files are renamed
+ * when they are complete. */
 #include "td_exr.h"
 
 #include <errno.h>
@@ -12,7 +12,7 @@ static void note(td_exr_stream *stream, const char *message) {
     if (!stream->message[0]) snprintf(stream->message, sizeof stream->message, "%s", message);
 }
 
-/* The first message says where it began; later ones are consequences. Only for reading: while writing, OpenEXRCore holds the
+/* Stores the first message: later ones are consequences of it. Only for reading. While writing, OpenEXRCore holds the
  * context's lock here, and asking for the user data would wait for it for ever. */
 static void on_read_error(exr_const_context_t context, exr_result_t code, const char *message) {
     void *stream = NULL;
@@ -20,7 +20,7 @@ static void on_read_error(exr_const_context_t context, exr_result_t code, const 
     if (context && exr_get_user_data(context, &stream) == EXR_ERR_SUCCESS && stream) note(stream, message);
 }
 
-/* Silence: a failed write has noted the system's reason, and the other failures have texts for their codes. */
+/* Does nothing: a failed write has already stored the system's reason, and other failures have a text by their code. */
 static void on_write_error(exr_const_context_t context, exr_result_t code, const char *message) {
     (void)context;
     (void)code;
@@ -39,7 +39,7 @@ static int64_t read_at(exr_const_context_t context, void *user, void *buffer, ui
             failed(context, EXR_ERR_READ_IO, "reading failed");
             return -1;
         }
-        if (got == 0) break; /* the caller judges a short read */
+        if (got == 0) break; /* the caller decides about a short read */
         done += (uint64_t)got;
     }
     return (int64_t)done;
@@ -74,7 +74,8 @@ exr_context_initializer_t td_exr_reading(td_exr_stream *stream) {
     initializer.user_data = stream;
     initializer.read_fn = read_at;
     initializer.size_fn = size_of;
-    initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION; /* a file without its table was never finished */
+    /* refuses a file without a table of chunks, which was never completed */
+    initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     return initializer;
 }
 

@@ -1,9 +1,8 @@
 /* Writes float images as scan-line OpenEXR through OpenEXRCore, the C library inside OpenEXR.
  *
- * A defect of its encoder, up to and including 3.4.7 (Debian 12 has 3.1.5), is worked round here: where a chunk deflates to
- * exactly its own size, the deflated bytes are written, but readers take a chunk of that size as stored raw, so the scan lines
- * come back as noise, with no error anywhere. 3.4.8 stores such a chunk raw (its CHANGES.md, PR 2307); so does
- * compress_or_store. */
+ * It works around a defect of the encoder up to 3.4.7 (Debian 12 has 3.1.5). If a chunk deflates to exactly its own size, the
+ * deflated bytes are written. But readers take a chunk of that size as stored raw, so its scan lines become noise, without an
+ * error. 3.4.8 stores such a chunk raw (its CHANGES.md, PR 2307), and so does compress_or_store. */
 #include "td_base.h"
 #include "td_exr.h"
 
@@ -12,11 +11,11 @@
 #include <string.h>
 #include <unistd.h>
 
-/* All that the steps of one write share. */
+/* State of a write. */
 typedef struct exr_job {
     const char *path, *part;
     int32_t width, height, count;
-    tides_channel *channels; /* sorted by name, as the file has them */
+    tides_channel *channels; /* sorted by name, as in the file */
     exr_compression_t compression;
     const char *const *attributes;
     td_exr_trace *trace;
@@ -38,7 +37,7 @@ static exr_result_t compress_or_store(exr_encode_pipeline_t *encoder) {
     exr_job *job = encoder->encoding_user_data;
     exr_result_t result = job->compress(encoder);
     if (result != EXR_ERR_SUCCESS || encoder->compressed_bytes != encoder->packed_bytes) return result;
-    /* Chunks that deflate can't shrink arrive here raw already. */
+    /* Chunks that deflate can't shrink are raw here already. */
     if (memcmp(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes) == 0) return result;
     if (job->trace) job->trace->equal_chunks++;
     if (!job->trace || !job->trace->leave_defect)
@@ -69,7 +68,7 @@ static tides_status add_attributes(exr_job *job) {
 
 static tides_status write_header(exr_job *job) {
     int part;
-    /* Names beyond 31 characters raise a flag in the file that old readers refuse: only where needed. */
+    /* Names beyond 31 characters need a flag in the file that old readers refuse, so it is set only if needed. */
     int long_names = 0;
     for (int32_t c = 0; c < job->count; c++) long_names |= strlen(job->channels[c].name) > 31;
     for (const char *const *pair = job->attributes; pair && pair[0]; pair += 2) long_names |= strlen(pair[0]) > 31;
@@ -106,7 +105,7 @@ static void point_to_rows(exr_job *job, int64_t y) {
     }
 }
 
-/* The routines can be chosen once the first rows are known; later chunks reuse them. */
+/* Chooses the encoder's routines, which needs the first rows; later chunks reuse them. */
 static exr_result_t choose_routines(exr_job *job) {
     exr_result_t result = exr_encoding_choose_default_routines(job->context, 0, &job->encoder);
     job->compress = job->encoder.compress_fn;
@@ -143,7 +142,7 @@ static tides_status write_context(exr_job *job) {
     if (result != EXR_ERR_SUCCESS) return write_failed(job, result);
     tides_status status = write_header(job);
     if (status == TIDES_OK) status = write_pixels(job);
-    result = exr_finish(&job->context); /* writes the table of chunks */
+    result = exr_finish(&job->context); /* also writes the table of chunks */
     if (status == TIDES_OK && result != EXR_ERR_SUCCESS) status = write_failed(job, result);
     return status;
 }
@@ -170,7 +169,7 @@ static tides_status check_size(const exr_job *job, tides_error *error) {
     if (job->width < 1 || job->height < 1 || job->count < 1 || job->count > INT16_MAX)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: can't hold %d channels of %d x %d px: give at least 1 of each",
                        job->path, job->count, job->width, job->height);
-    /* The size of a chunk (16 lines of ZIP) is a 32-bit integer in the file. */
+    /* The size of a chunk (16 lines for ZIP) must fit a 32-bit integer. */
     if ((int64_t)job->width * job->count > INT32_MAX / (16 * (int32_t)sizeof(float)))
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %d channels of %d px in a row are more than OpenEXR can hold", job->path,
                        job->count, job->width);

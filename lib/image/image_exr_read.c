@@ -1,4 +1,4 @@
-/* Reads scan-line OpenEXR files, half or float, any compression that OpenEXRCore decodes, into float planes. */
+/* Reads scan-line OpenEXR files as float planes: half or float, with any compression that OpenEXRCore decodes. */
 #include "td_base.h"
 #include "td_exr.h"
 
@@ -14,7 +14,7 @@ typedef struct exr_source {
     exr_context_t context;
     exr_attr_box2i_t window;
     tides_exr *image;
-    size_t pixel_bytes; /* of all channels, as stored */
+    size_t pixel_bytes; /* bytes per pixel in the file, over all channels */
     exr_decode_pipeline_t decoder;
     tides_error *error;
 } exr_source;
@@ -62,8 +62,8 @@ static tides_status copy_names(exr_source *source, const exr_attr_chlist_t *chan
     return TIDES_OK;
 }
 
-/* By how much a compression shrinks at most: runs of 128 bytes become 2; deflate (zlib's documentation), after PXR24 has left
- * out a quarter; the others have no such bound, but nothing packs 64 kB into less than a byte. */
+/* Largest factor by which a compression shrinks. Runs of 128 bytes become 2; deflate has 1032 (zlib's documentation), after
+ * PXR24 has dropped a quarter. Others have no bound, but nothing packs 64 kB into less than a byte. */
 static size_t shrinks_by(exr_compression_t compression) {
     switch (compression) {
         case EXR_COMPRESSION_NONE: return 1;
@@ -75,8 +75,8 @@ static size_t shrinks_by(exr_compression_t compression) {
     }
 }
 
-/* The header may claim any size, and memory is only asked for after a look at the file: each chunk has an entry of 8 bytes,
- * and the pixels must fit what is there. */
+/* Checks the size in the header before memory is allocated: each chunk has an 8-byte entry in the file, and the pixels must
+ * fit into the file's bytes. */
 static tides_status check_size(exr_source *source) {
     int32_t chunks = 0;
     exr_compression_t compression = EXR_COMPRESSION_NONE;
@@ -121,7 +121,7 @@ static tides_status read_header(exr_source *source) {
 
 /* ---- the pixels ---- */
 
-/* `y` counts from the top of the data window. */
+/* Points the decoder to the rows from `y` on, counted from the top of the data window. */
 static void point_to_rows(exr_source *source, int32_t y) {
     const tides_exr *image = source->image;
     size_t plane = (size_t)image->width * (size_t)image->height;

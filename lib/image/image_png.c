@@ -1,4 +1,4 @@
-/* Writes pictures with libpng, for previews, figures and datasets; libpng's way of failing is turned into ours here. */
+/* Writes PNG pictures with libpng, for previews, figures and datasets, and converts libpng's failures to errors. */
 #include "td_png.h"
 
 #include "td_base.h"
@@ -9,8 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* libpng leaves by longjmp. All that it works on lives here, not in locals of the function that calls setjmp, whose values
- * would be undefined afterwards. */
+/* State of writing. libpng fails by longjmp, which would leave local variables of the function that calls setjmp undefined,
+ * so all state is here. */
 typedef struct png_job {
     FILE *file;
     td_png_form form;
@@ -32,17 +32,17 @@ void td_png_on_warning(png_structp png, png_const_charp text) {
     (void)text;
 }
 
-/* PNG has the highest first. */
+/* 1 on a little-endian host, whose values must be swapped: PNG is big-endian. */
 static int lowest_byte_first(void) {
     const uint16_t one = 1;
     return *(const uint8_t *)&one == 1;
 }
 
-/* 0, or -1 with job->message filled. */
+/* Writes the picture; -1 with job->message on failure. */
 static int write_picture(png_job *job) {
     if (setjmp(png_jmpbuf(job->png))) return -1;
     png_init_io(job->png, job->file);
-    png_set_user_limits(job->png, INT32_MAX, INT32_MAX); /* libpng's default of a million pixels a side */
+    png_set_user_limits(job->png, INT32_MAX, INT32_MAX); /* libpng's default limit is a million pixels per side */
     const td_png_form *form = &job->form;
     const size_t row = (size_t)form->width * (size_t)form->channels * (size_t)(form->bits / 8);
     png_set_IHDR(job->png, job->info, (png_uint_32)form->width, (png_uint_32)form->height, form->bits,
@@ -79,7 +79,7 @@ static tides_status write_part(png_job *job, const char *path, const char *part,
     job->file = td_part_open(part, path);
     if (!job->file) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, strerror(errno));
     tides_status status = encode(job, path, error);
-    if (fclose(job->file) != 0 && status == TIDES_OK) /* what was buffered may find no room */
+    if (fclose(job->file) != 0 && status == TIDES_OK) /* with a full disk the error may come only here */
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(errno));
     if (status == TIDES_OK) return td_commit_file(part, path, error);
     td_remove_part(part, path);

@@ -1,4 +1,4 @@
-/* Pictures of data: linear values, signed values, events, and text over them. */
+/* Draws data as pictures: linear values, signed values, events, and text. */
 #include "tides/image.h"
 
 #include "td_colour_map.h"
@@ -41,8 +41,9 @@ void tides_picture_rgb(const double *r, const double *g, const double *b, int32_
 
 /* ---- signed values ---- */
 
-/* Non-negative floats order like the integers that their bits spell, so a percentile can be found digit by digit, 11 bits at a
- * time, without sorting, memory, or a way to fail. Float is exact enough for a limit of colours. */
+/* Bits of a value's magnitude as a float. Non-negative floats are ordered as the integers of their bits. So a percentile
+ * can be found digit by digit, 11 bits at a time, without sorting and without memory. A float is exact enough for a colour
+ * limit. */
 static uint32_t magnitude_bits(double value) {
     float magnitude = (float)fabs(value);
     uint32_t bits;
@@ -52,8 +53,8 @@ static uint32_t magnitude_bits(double value) {
 
 static int32_t counts(double value) { return isfinite(value) && isfinite((float)value); }
 
-/* One digit more: among the finite values whose bits above `shift + 11` equal those of `known`, finds the digit at `shift` of
- * the one with `*rank` values below it, and leaves in `*rank` how many of those share the digit. */
+/* Finds the next digit of a percentile. Among the finite values whose bits above `shift + 11` equal those of `known`, it is
+ * the digit at `shift` of the one with `*rank` values below it. `*rank` becomes its rank among those with this digit. */
 static uint32_t next_digit(const double *values, size_t count, uint32_t known, int shift, size_t *rank) {
     size_t histogram[2048] = {0};
     for (size_t i = 0; i < count; i++) {
@@ -66,7 +67,7 @@ static uint32_t next_digit(const double *values, size_t count, uint32_t known, i
     return digit;
 }
 
-/* The smallest magnitude that `fraction` of the finite values don't exceed; 0 where none is finite. */
+/* The smallest magnitude that `fraction` of the finite values don't exceed; 0 if none is finite. */
 static double magnitude_percentile(const double *values, size_t count, double fraction) {
     size_t finite = 0;
     for (size_t i = 0; i < count; i++) finite += (size_t)counts(values[i]);
@@ -82,7 +83,7 @@ static double magnitude_percentile(const double *values, size_t count, double fr
 void tides_picture_signed(const double *values, int32_t width, int32_t height, double limit, uint8_t *rgb) {
     size_t pixels = pixels_of(width, height);
     if (!(limit > 0.0)) limit = magnitude_percentile(values, pixels, 0.995);
-    /* An image of which less than a two-hundredth moves has percentile 0: then the sign is all that is shown. */
+    /* If less than a two-hundredth of an image moves, the percentile is 0: then only the sign is shown. */
     for (size_t i = 0; i < pixels; i++) {
         double value = values[i];
         if (isnan(value))
@@ -96,7 +97,7 @@ void tides_picture_signed(const double *values, int32_t width, int32_t height, d
 
 enum { SEEN_ON, SEEN_OFF };
 
-/* The picture's own bytes hold the counts, up to 255 each, until they are turned into colours: no memory, no way to fail. */
+/* Counts events in the picture's own bytes, up to 255 each, which become colours later: so no memory is needed. */
 static void count_events(const tides_event *events, size_t count, int32_t width, int32_t height, uint8_t *rgb) {
     memset(rgb, 0, 3 * pixels_of(width, height));
     for (size_t i = 0; i < count; i++) {
@@ -107,13 +108,13 @@ static void count_events(const tides_event *events, size_t count, int32_t width,
     }
 }
 
-/* Greys stay between 120 and 180: an event alone is darker than any of them, and many are brighter, so that they differ from
- * their surroundings in lightness, too, not in hue alone. */
+/* Greys stay between 120 and 180. A single event is darker than any of them, and many are brighter. So events differ from
+ * their surroundings in lightness, and not in hue only. */
 enum { GREY = 140 };
 static double dimmed_grey(double value) { return isnan(value) ? GREY : 120.0 + 60.0 / 255.0 * td_srgb(value); }
 
-/* One event covers 85 % of the base, and its colour is dark; each further one takes it closer to the bright end. A pixel that
- * fired both ways lies between red and blue by its shares: violet. */
+/* Colour of a pixel with events. One event covers 85 % of the base with a dark colour, and each further one makes it
+ * brighter. A pixel with both polarities is between red and blue by their shares: violet. */
 static void event_colour(unsigned on, unsigned off, double grey, uint8_t rgb[3]) {
     static const double dark[2][3] = {{175, 20, 20}, {20, 60, 185}}, bright[2][3] = {{255, 85, 60}, {90, 175, 255}};
     double total = on + off, share = on / total;
@@ -141,7 +142,7 @@ void tides_picture_events(const tides_event *events, size_t count, const double 
 
 /* ---- text ---- */
 
-/* Fills the part of a square that lies inside the picture. 64-bit: a far corner may not wrap round into sight. */
+/* Fills the part of a square within the picture. 64-bit numbers keep a far corner from wrapping around. */
 static void fill_square(uint8_t *rgb, int32_t width, int32_t height, int64_t x, int64_t y, int32_t side,
                         const uint8_t colour[3]) {
     int64_t right = x + side < width ? x + side : width, bottom = y + side < height ? y + side : height;

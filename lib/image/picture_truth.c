@@ -1,4 +1,4 @@
-/* Pictures of ground truth: flow as a colour wheel, depths as a ramp, instances in colours of their own. */
+/* Draws ground truth as pictures: flow as a colour wheel, depth as a ramp, instances in different colours. */
 #include "tides/image.h"
 
 #include "td_colour_map.h"
@@ -56,7 +56,7 @@ void tides_picture_depth(const double *depth, int32_t width, int32_t height, dou
 }
 
 void tides_picture_labels(const double *labels, int32_t width, int32_t height, uint8_t *rgb) {
-    const double golden = 0.61803398874989484820; /* of a turn: neighbours in number are far apart in hue */
+    const double golden = 0.61803398874989484820; /* of a turn: neighbouring numbers get distant hues */
     const size_t pixels = pixels_of(width, height);
     for (size_t i = 0; i < pixels; i++) {
         if (isnan(labels[i]))
@@ -68,10 +68,11 @@ void tides_picture_labels(const double *labels, int32_t width, int32_t height, u
     }
 }
 
-/* -- keys ------------------------------------------------------------------------------------------------------------------ */
+/* -- legends
+ * ------------------------------------------------------------------------------------------------------------------ */
 
-/* Sizes of a key by a picture's shorter side: the least side that gets one [px], the key's part of the side, and its distance
- * from the borders. */
+/* Size of a legend: least shorter side of a picture that gets one [px], share of that side, and distance from the borders
+ * [px]. */
 enum { KEY_LEAST = 64, KEY_SHARE = 6, KEY_MARGIN = 3 };
 
 static int32_t key_size(int32_t width, int32_t height) {

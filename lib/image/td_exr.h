@@ -1,4 +1,4 @@
-/* Internal: OpenEXRCore over our own file descriptor, and the encoder with its work-around exposed to the test of it. */
+/* Internal: reading and writing OpenEXR through our own file descriptor, and access to a work-around for its test. */
 #ifndef TD_EXR_H
 #define TD_EXR_H
 
@@ -6,34 +6,34 @@
 
 #include <openexr.h>
 
-/* Named planes in memory, as they are read; also those that other files are turned to (lib/frames/truth_file.c). */
+/* Named planes in memory, from an OpenEXR file or from another kind of file with ground truth. */
 struct tides_exr {
     int32_t width, height, count;
     char **names;
     float *pixels; /* (count x height x width) */
 };
 
-/* The stream that OpenEXRCore reads or writes through. With our own stream its messages reach us instead of stderr, and the
- * system's reason for a failed write isn't lost. */
+/* A stream for OpenEXRCore. With our own stream, messages come to us instead of stderr, and the system's reason for a failed
+ * write is kept. */
 typedef struct td_exr_stream {
     int descriptor;
-    char message[300]; /* the first thing that went wrong, in OpenEXR's or the system's words; "" */
+    char message[300]; /* the first failure, in OpenEXR's or the system's words, or "" */
 } td_exr_stream;
 
 /* The initializers for exr_start_read and exr_start_write; `stream` must outlive the context. */
 exr_context_initializer_t td_exr_reading(td_exr_stream *stream);
 exr_context_initializer_t td_exr_writing(td_exr_stream *stream);
 
-/* Why `result` happened: the stream's message, else OpenEXR's text for the code. */
+/* The reason of `result`: the stream's message, or else OpenEXR's text for the code. */
 const char *td_exr_reason(const td_exr_stream *stream, exr_result_t result);
 
-/* Watches, or switches off, the work-around for the encoder's defect (image_exr.c). For the test that proves it necessary. */
+/* Observes, or switches off, the work-around for a defect of OpenEXR's encoder: for the test that it is needed. */
 typedef struct td_exr_trace {
-    int32_t leave_defect; /* in: 1 writes what OpenEXR alone would */
-    int32_t equal_chunks; /* out: chunks that deflated to exactly their own size */
+    int32_t leave_defect; /* in: 1: write as OpenEXR alone would */
+    int32_t equal_chunks; /* out: number of chunks that deflated to exactly their own size */
 } td_exr_trace;
 
-/* tides_exr_write with a nullable trace. */
+/* tides_exr_write with a trace, which may be NULL. */
 tides_status td_exr_write_traced(const char *path, int32_t width, int32_t height, const tides_channel *channels, int32_t count,
                                  int32_t compression, const char *const *attributes, td_exr_trace *trace, tides_error *error);
 

@@ -6,7 +6,7 @@
 
 enum { TD_GLYPH_WIDTH = 5, TD_GLYPH_HEIGHT = 7 };
 
-/* The rows of a character, top first; bit 4 is the leftmost cell. Characters outside 32..126 are a hollow box. */
+/* The rows of a character, the top row first; bit 4 is the leftmost cell. Characters outside 32..126 give a hollow box. */
 const uint8_t *td_glyph(char character);
 
 #endif

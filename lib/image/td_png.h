@@ -1,4 +1,5 @@
-/* Internal: PNG pictures as bytes, and libpng's way of failing, for the writer of pictures and the reader of frames. */
+/* Internal: PNG pictures as bytes, and handlers for libpng's errors, shared by the writer of pictures and the reader of
+ * frames. */
 #ifndef TD_PNG_H
 #define TD_PNG_H
 
@@ -7,20 +8,20 @@
 #include <png.h>
 #include <stdio.h>
 
-/* libpng's text of a failure: the error pointer of a png_struct whose handlers are the ones below. */
+/* The text of libpng's failure; pass it as the error pointer of a png_struct with the handlers below. */
 typedef struct td_png_message {
     char text[200];
 } td_png_message;
 
-/* libpng's handlers: an error is kept in the message, and libpng left by longjmp; warnings are no concern of ours. */
+/* Handlers for libpng: an error is stored in the message, and leaves libpng by longjmp; warnings are ignored. */
 void td_png_on_error(png_structp png, png_const_charp text);
 void td_png_on_warning(png_structp png, png_const_charp text);
 
-/* A picture to an open stream; `path` is for messages. */
+/* Writes a picture to an open stream; `path` is for messages. */
 tides_status td_png_encode(const char *path, FILE *file, int32_t width, int32_t height, const uint8_t *rgb, tides_error *error);
 
-/* Other pictures: 8 or 16 bits, grey (1) or r, g and b (3 together); `values` are uint8_t, or uint16_t, which are numbers
- * rather than light. Written as tides_png_write does. */
+/* Other pictures: 8 or 16 bits; 1 channel, or 3 interleaved; `values` are uint8_t or uint16_t. The values are numbers rather
+ * than light. td_png_write writes one to a file, by a .part that is renamed. */
 typedef struct td_png_form {
     int32_t width, height, bits, channels;
 } td_png_form;

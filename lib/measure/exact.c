@@ -1,10 +1,10 @@
-/* The exact stream of an image: what every error of a method is measured against (DESIGN 7). For tides compare, tides bench and
- * whoever measures a method of his own; how streams are matched is lib/metrics', which settings are compared ideal.c's.
+/* Computes the exact events of an image, against which errors of methods are measured. For tides compare, tides bench, and
+ * users who measure their own method.
  *
- * Refined level by level until the last refinement moves nothing. Under `smooth` a level has half the step of the one before
- * everywhere: its tolerance is a sixteenth, since the cubic's error falls with the fourth power, and its longest step is half,
- * in case the estimate is blind somewhere. Where the image jumps (`inria`) there is no order of convergence to go by: equal
- * steps, thousands of them. */
+ * It refines level by level until the last level moves no event. With `smooth` rules each level has half the steps of the one
+ * before: its tolerance is a sixteenth, because the cubic's error falls with the fourth power. Its longest step is half, too,
+ * in case the estimate misses an error. An image that jumps (`inria`) has no order of convergence, so equal steps are used,
+ * thousands of them. */
 #include "signal/td_event_buffer.h"
 #include "td_base.h"
 #include "td_struct.h"
@@ -14,24 +14,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Shift of event times that counts as none [us]: the unit in which they are counted. */
+/* A smaller shift of event times counts as none [us]; it is the unit in which they are stored. */
 #define SETTLED_US 1e-3
-/* No level after one that took so many full renders: it would take twice that. Renders, not seconds, so that the exact stream
- * doesn't depend on what else the machine does. */
+/* No level follows one with so many full renders, since it would take twice as many. Renders are counted, not seconds, so
+ * that the result doesn't depend on the machine's load. */
 #define LONG_RENDERS 500.0
 
-/* Smooth images: the first level's tolerance, and its longest step where none is given: a common frame interval, and an eighth
- * of it, which is short beside what shakes a camera. */
+/* For smooth images: the first level's tolerance, and its default longest step. That is a common frame interval divided by 8,
+ * which is short compared with a shaking camera. */
 #define FIRST_TOLERANCE 1e-3
 #define LONGEST_STEP_S 0.01
 #define SPLIT 8
 #define LEAST_STEP_S 1e-8
-/* The last level's tolerance [thresholds]: what single precision lets the estimate see, 1e-6 of L among thresholds of 0.2; in
- * double precision the unit that events are counted in is met before. */
+/* The last level's tolerance [thresholds]. In single precision the estimate can't see less than 1e-6 of L, with thresholds of
+ * 0.2. In double precision, the unit of event times is reached earlier. */
 #define FLOAT_TOLERANCE 3e-6
 #define DOUBLE_TOLERANCE 1e-9
 
-/* Images that jump: the first level is a quarter of the renders that the last may take; 512 kHz is 2 us from step to step. */
+/* For images that jump: the first level has a quarter of the last one's renders; 512 kHz means steps of 2 us. */
 #define MOST_RATE 512000.0
 
 void tides_exact_options_defaults(tides_exact_options *options) {
@@ -44,7 +44,7 @@ int32_t tides_image_is_continuous(const tides_image_params *image) {
            s->soft_depth > 0 && s->ellipses;
 }
 
-/* All that a level is made from. */
+/* Input of all levels. */
 typedef struct job {
     tides_device *device;
     const tides_scene *scene;
@@ -53,7 +53,7 @@ typedef struct job {
     const tides_image_params *image;
     const tides_sensor *sensor;
     double start, stop;
-    tides_exact_options how; /* zeros filled in */
+    tides_exact_options how; /* with defaults filled in */
     int32_t continuous;
     tides_progress progress;
     void *user;
@@ -75,7 +75,7 @@ static tides_status check_options(const tides_exact_options *how, tides_error *e
 
 static double or_else(double given, double otherwise) { return given > 0 ? given : otherwise; }
 
-/* Fills options that were left open; their defaults depend on the run's length. */
+/* Fills in options that were left open; their defaults depend on the run's length. */
 static void fill_in(job *j) {
     const double length = j->stop - j->start;
     tides_exact_options *how = &j->how;
@@ -105,7 +105,7 @@ static tides_stepping level_of(const job *j, int32_t level) {
     return s;
 }
 
-/* Is another level worth its time? */
+/* 1 if another level is worth its time. */
 static int32_t goes_on(const job *j, const tides_stepping *done, int32_t level, const tides_match *moved, double renders) {
     const tides_exact_options *how = &j->how;
     const int32_t settled = level > 0 && moved->mismatch_percent == 0 && moved->dt_p99_us <= SETTLED_US;
@@ -116,7 +116,7 @@ static int32_t goes_on(const job *j, const tides_stepping *done, int32_t level, 
     return !settled && renders < how->long_renders && rate < how->last_rate * 0.999;
 }
 
-/* A sink that keeps everything. */
+/* An event sink that keeps all events. */
 static int keep(void *user, const tides_event *events, size_t count) {
     td_event_buffer *stream = user;
     if (count == 0) return 0;
@@ -195,9 +195,10 @@ tides_status tides_exact_stream(tides_device *device, const tides_scene *scene, 
     return status;
 }
 
-/* -- of a session ---------------------------------------------------------------------------------------------------------- */
+/* -- a session's exact events
+ * ---------------------------------------------------------------------------------------------------------- */
 
-/* Straight lines between frames, which the method `tides` draws there. */
+/* The exact events of a run on frames: with straight lines between frames, as the method `tides` has them. */
 static tides_status of_frames(tides_session *ideal, tides_progress progress, void *user, tides_exact *exact,
                               tides_error *error) {
     td_event_buffer stream = {NULL, 0, 0};

@@ -1,10 +1,9 @@
-/* The settings that make a method's pixels ideal with a run's own thresholds, or as near to the run's sensor as its own
- * parameters come. For exact streams and comparisons.
+/* Settings that make a method's pixels ideal, with a run's own thresholds; or as similar to the run's sensor as the method's
+ * parameters allow. For exact streams and comparisons.
  *
- * An ideal pixel fires where the logarithm has moved by the threshold since its last event, and does nothing else: no noise, no
- * spread, no latency, no low-pass, no refractory period. The rest of a method is how it sees the image, and where it puts
- * events in time. Parameters with one ideal value have it in the parameter table (td_param.ideal); those that depend on the run
- * are here. */
+ * An ideal pixel fires when the logarithm has moved by the threshold since its last event. It has no noise, spread, latency,
+ * low-pass or refractory period. What remains of a method is how it sees the image, and when it puts events. A parameter with
+ * one ideal value has that value in the parameter table (td_param.ideal); values that depend on the run are computed here. */
 #include "run/td_params.h"
 #include "td_base.h"
 #include "tides/measure.h"
@@ -15,22 +14,22 @@
 
 enum { SETTINGS_MAX = 40, SETTING_BYTES = 80 };
 #define TWO_PI 6.283185307179586
-#define VOLTMETER_QUIET 1e-9 /* k6: the original gives nothing at 0 */
+#define VOLTMETER_QUIET 1e-9 /* k6: the original makes no events with 0 */
 
-/* The pixel from which a method's settings are made. */
+/* The pixel for which settings are made. */
 typedef struct pixel {
     double on, off, log_eps;
     const tides_sensor *sensor;
-    const tides_run *run; /* whose own keys stay, where the sensor is translated */
+    const tides_run *run; /* the run, whose given keys are kept when the sensor is translated */
 } pixel;
 
-/* "key=value" texts. */
+/* A list of "key=value" texts. */
 typedef struct settings {
     char texts[SETTINGS_MAX][SETTING_BYTES];
     size_t count;
 } settings;
 
-/* Adds a setting. One without room is counted, and tides_ideal_settings then refuses. */
+/* Adds a setting. Without room it is only counted, and tides_ideal_settings fails. */
 static void put(settings *s, const char *key, const char *value) {
     if (s->count < SETTINGS_MAX) snprintf(s->texts[s->count], SETTING_BYTES, "%s=%s", key, value);
     s->count++;
@@ -42,7 +41,8 @@ static void set(settings *s, const char *key, double value) {
     put(s, key, text);
 }
 
-/* -- thresholds and what goes with the run -------------------------------------------------------------------------------- */
+/* -- thresholds and values that depend on the run
+ * -------------------------------------------------------------------------------- */
 
 static void threshold_tides(settings *s, const pixel *p) {
     set(s, "sensor.threshold_on", p->on);
@@ -61,8 +61,8 @@ static void threshold_v2e(settings *s, const pixel *p) {
     set(s, "v2e.neg_thres", p->off);
 }
 
-/* DN / (DN + k2) is ln(Y + k2 / 255) to second order of a step, and the barriers are at +-1: k1 is the inverse threshold, and
- * there is only one, so that the mean of both is taken. The table's ideal k6 isn't 0: the original gives nothing there. */
+/* DN / (DN + k2) equals ln(Y + k2 / 255) to second order, and the barriers are at +-1. So k1 is the inverse threshold; as
+ * there is only one, the mean of both thresholds is taken. */
 static void threshold_voltmeter(settings *s, const pixel *p) { set(s, "voltmeter.k1", 2 / (p->on + p->off)); }
 
 static void ideal_voltmeter(settings *s, const pixel *p) { set(s, "voltmeter.k2", fmax(255 * p->log_eps, 1e-6)); }
@@ -72,10 +72,10 @@ static void threshold_iebcs(settings *s, const pixel *p) {
     set(s, "iebcs.th_neg", p->off);
 }
 
-/* ln(scale Y + 1) is ln(Y + log_eps) but for a constant where the scale is 1 / log_eps. The time constant goes with the inverse
- * of light: at Y = 1 it is as short as with IEBCS's own parameters. Shorter, and a reference taken at a whole microsecond would
- * no longer be that of the event. The table's ideal refractory period is 1 us, the resolution of its clock: without, a large
- * step is taken again and again at one time. */
+/* Time constant of ideal IEBCS pixels, for a scale of 1 / log_eps, with which ln(scale Y + 1) is ln(Y + log_eps) plus a
+ * constant. The time constant is inverse to light; at Y = 1 it is as short as with IEBCS's own parameters. If it were
+ * shorter, the reference at a whole microsecond would differ from the event's. The ideal refractory period in the table is 1
+ * us, the clock's resolution: without it a large step would fire again and again at one time. */
 static double fast_tau(double scale) {
     tides_baseline_params defaults;
     tides_baseline_params_defaults(&defaults);
@@ -87,18 +87,18 @@ static void ideal_iebcs(settings *s, const pixel *p) {
     set(s, "iebcs.tau", fast_tau(1 / p->log_eps));
 }
 
-/* -- the sensor in other methods' parameters (measure.h has the relations) ------------------------------------------------ */
+/* -- the sensor in other methods' parameters ------------------------------------------------ */
 
-/* Y at which a pole that goes with light is as fast as one that doesn't: a middle grey. */
+/* Middle grey: the Y at which a pole that depends on light equals one that doesn't. */
 #define GREY 0.18
-/* v2e: (DN + 20) / 275 of its cutoff. */
+/* Factor of v2e's cutoff at light Y: (DN + 20) / 275. */
 #define V2E_LIGHT(Y) ((255 * (Y) + 20) / 275)
 
 static void given_or(settings *s, const pixel *p, const char *key, double value) {
     if (!tides_run_gives(p->run, key)) set(s, key, value);
 }
 
-/* The sensor's pole at Y, 0 where it has none; the circuit's several are none of the others'. */
+/* The sensor's pole at Y; 0 if it has none. The circuit's several poles have no counterpart in other methods. */
 static double cutoff_at(const tides_sensor *sensor, double Y) {
     const double cutoff = sensor->bandwidth == TIDES_BANDWIDTH_FIRST_ORDER ? sensor->photoreceptor_cutoff_hz : 0;
     return sensor->photoreceptor_law == TIDES_PHOTORECEPTOR_INTENSITY ? cutoff * V2E_LIGHT(Y) : cutoff;
@@ -113,7 +113,7 @@ static void sensor_esim(settings *s, const pixel *p) {
     given_or(s, p, "esim.log_eps", p->log_eps);
 }
 
-/* Without a black level the same change of light is a larger one of its logarithm. */
+/* Settings for v2e. It has no black level, so the same change of light is a larger change of its logarithm. */
 static void sensor_v2e(settings *s, const pixel *p) {
     const double steeper = (GREY + p->log_eps) / GREY;
     given_or(s, p, "v2e.pos_thres", steeper * p->on);
@@ -152,10 +152,11 @@ static void sensor_iebcs(settings *s, const pixel *p) {
 
 static const struct method {
     const char *name;
-    void (*threshold)(settings *s, const pixel *p), (*ideal)(settings *s, const pixel *p); /* ideal: NULL where none */
-    void (*sensor)(settings *s, const pixel *p); /* NULL: the run's sensor is its own */
-    const char *groups[4];                       /* of its keys in the table */
-    const char *own[2]; /* the run has thresholds for it where it gives one of these keys; none: they are the run's */
+    void (*threshold)(settings *s, const pixel *p), (*ideal)(settings *s, const pixel *p); /* ideal: NULL for none */
+    void (*sensor)(settings *s, const pixel *p); /* NULL: the method uses the run's sensor */
+    const char *groups[4];                       /* prefixes of its keys in the table */
+    /* if the run gives one of these keys, it has thresholds for the method; none: the thresholds are the run's */
+    const char *own[2];
 } methods[] = {
     {"tides", threshold_tides, NULL, NULL, {"sensor.", "frontend.", "readout.", "filters."}, {NULL, NULL}},
     {"esim",
@@ -170,7 +171,7 @@ static const struct method {
 };
 enum { METHODS = sizeof methods / sizeof methods[0] };
 
-/* The keys that the table knows an ideal value of. */
+/* Adds the keys that have an ideal value in the table. */
 static void put_ideal_rows(settings *s, const struct method *m) {
     for (size_t i = 0; i < td_params_count; i++)
         for (int g = 0; g < 4 && m->groups[g]; g++)
@@ -185,7 +186,7 @@ static int32_t has_thresholds(const struct method *m, const tides_run *run) {
     return given;
 }
 
-/* One block of memory: the pointers, and their texts behind them. */
+/* Copies the settings to one block of memory: pointers, then texts. */
 static const char **pack(const settings *s, tides_error *error) {
     const char **texts = td_alloc(s->count * (sizeof *texts + SETTING_BYTES), 1, error);
     char *at = texts ? (char *)(texts + s->count) : NULL;

@@ -1,9 +1,10 @@
-/* The best pairing, in order, of two sorted lists of times: dynamic programming on a band.
+/* The best order-preserving pairing of two sorted lists of times, by dynamic programming on a band.
  *
  * F(i, j) is the largest sum over pairings of the first i times of a and the first j of b:
  *     F(i, j) = max(F(i-1, j), F(i, j-1), F(i-1, j-1) + limit - |b_j - a_i|)
- * Row i only needs the columns that a_i may be paired with: a window of b that moves forwards with i. Left of it the row is
- * never asked again, and right of it F stays what it was in the window's last column, since nothing up to a_i reaches there. */
+ * Row i needs only the columns with which a_i may be paired: a window of b that moves forwards with i. Columns left of it are
+ * never needed again. Right of it, F stays at its value in the window's last column, since no time up to a_i reaches that
+ * far. */
 #include "td_align.h"
 
 #include <stdlib.h>
@@ -19,8 +20,8 @@ static tides_status append(td_align *align, int64_t dt, tides_error *error) {
     return status;
 }
 
-/* 1 where pairing the k-th with the k-th is best, since no time has a nearer counterpart. Every pair then adds all that it ever
- * could. */
+/* 1 if pairing the k-th with the k-th time is best, because no time has a nearer counterpart. Then every pair adds the most
+ * that it can. */
 static int obvious(const int64_t *a, size_t count_a, const int64_t *b, size_t count_b, int64_t limit) {
     if (count_a != count_b) return 0;
     for (size_t i = 0; i < count_a; i++) {
@@ -32,8 +33,8 @@ static int obvious(const int64_t *a, size_t count_a, const int64_t *b, size_t co
     return 1;
 }
 
-/* The window [low, high) of b that `time` is offered: within the limit, and of these the TD_ALIGN_BAND around it. Never moves
- * backwards: `low` and `high` come in as the last row's. */
+/* Moves the window [low, high) of b for `time`: times within the limit, and of these the nearest TD_ALIGN_BAND. It never
+ * moves backwards; on entry `low` and `high` are those of the last row. */
 static void move_window(const int64_t *b, size_t count_b, int64_t time, int64_t limit, size_t *low, size_t *high) {
     while (*low < count_b && time - b[*low] > limit) ++*low;
     if (*high < *low) *high = *low;
@@ -46,7 +47,7 @@ static void move_window(const int64_t *b, size_t count_b, int64_t time, int64_t 
     }
 }
 
-/* Fills the table row by row, over align->score in place; the choices are kept. score[j - low] is F(i, j). */
+/* Fills the table row by row in align->score, and stores the choices. score[j - low] is F(i, j). */
 static void fill(td_align *align, const int64_t *a, size_t count_a, const int64_t *b, size_t count_b, int64_t limit) {
     int64_t *score = align->score;
     size_t low = 0, high = 0;
@@ -54,7 +55,7 @@ static void fill(td_align *align, const int64_t *a, size_t count_a, const int64_
     for (size_t i = 0; i < count_a; i++) {
         size_t old_low = low, old_high = high;
         move_window(b, count_b, a[i], limit, &low, &high);
-        /* The row before, from column `low` on; past its last column it stays level. */
+        /* Shifts the previous row to start at column `low`; behind its last column it is constant. */
         size_t kept = old_high > low ? old_high - low : 0;
         int64_t level = score[old_high - old_low];
         if (kept) memmove(score, score + (low - old_low), kept * sizeof *score);
@@ -80,7 +81,7 @@ static void fill(td_align *align, const int64_t *a, size_t count_a, const int64_
     }
 }
 
-/* Walks back from the table's last cell. Pairs come out in falling order, which is all the same to percentiles. */
+/* Walks back from the last cell of the table. Pairs come out in reverse order, which doesn't matter for percentiles. */
 static tides_status trace(td_align *align, const int64_t *a, size_t count_a, const int64_t *b, size_t count_b,
                           tides_error *error) {
     size_t j = count_b;

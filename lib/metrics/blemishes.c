@@ -1,5 +1,5 @@
-/* Finds the events of a recording that its light didn't cause: bursts of the readout of frames (td_bursts.h), and hot pixels. A
- * simulation of light makes none of them, so a comparison leaves them out of both streams. */
+/* Finds events of a recording that light didn't cause: bursts when a DAVIS reads out a frame, and hot pixels. A simulation of
+ * light has neither, so comparisons leave them out of both streams. */
 #include "td_metrics.h"
 
 #include "td_bursts.h"
@@ -9,14 +9,14 @@
 #include <string.h>
 
 enum {
-    REACH = 2,      /* px around a pixel that it is held against */
-    RANK = 3,       /* the busiest two of them may be hot themselves */
-    HOT_LEAST = 10, /* events, */
-    HOT_TIMES = 5   /* and so many times its neighbours' */
+    REACH = 2,      /* px around a pixel with which it is compared */
+    RANK = 3,       /* the two busiest neighbours may be hot themselves */
+    HOT_LEAST = 10, /* events of a hot pixel, at least, */
+    HOT_TIMES = 5   /* and ratio to its neighbours' number */
 };
 #define SPAN_MOST_S 20000.0 /* 80 million bins */
 
-/* Bins of bursts as stretches, from the recording's first event on. */
+/* Converts bins of bursts to spans of time, from the recording's first event on. */
 static tides_status take_bursts(tides_blemishes *found, const uint8_t *burst, size_t bins, int64_t first_ns,
                                 tides_error *error) {
     const double bin_ns = 1e9 * TD_BURST_BIN_S;
@@ -50,7 +50,7 @@ static tides_status find_bursts(const tides_event *events, size_t count, tides_b
     return status;
 }
 
-/* The count of the RANKth busiest pixel around (x, y). */
+/* The number of events of the RANKth busiest pixel around (x, y). */
 static uint32_t around(const uint32_t *counts, int32_t width, int32_t height, int32_t x, int32_t y) {
     uint32_t most[RANK] = {0};
     for (int32_t v = y - REACH; v <= y + REACH; v++) {
@@ -78,7 +78,7 @@ static tides_status add_hot(tides_blemishes *found, size_t *capacity, int32_t x,
     return TIDES_OK;
 }
 
-/* Finds hot pixels in the counts of events outside bursts, pixel by pixel. */
+/* Finds hot pixels from the numbers of events outside bursts. */
 static tides_status find_hot(const uint32_t *counts, int32_t width, int32_t height, tides_blemishes *found,
                              tides_error *error) {
     size_t capacity = 0;
@@ -94,7 +94,7 @@ static tides_status find_hot(const uint32_t *counts, int32_t width, int32_t heig
     return status;
 }
 
-/* Whether the event lies within a burst; *next: the first that ends after it, of events in order of time. */
+/* 1 if the event lies within a burst. *next: the first burst that ends after the event; events come in order of time. */
 static int in_burst(const tides_blemishes *b, size_t *next, int64_t t) {
     while (*next < b->bursts && b->burst[2 * *next + 1] <= t) ++*next;
     return *next < b->bursts && t >= b->burst[2 * *next];

@@ -1,5 +1,5 @@
-/* Motion-scaled Chamfer distance (paper, Sec. 4.3): events as points (x, y, v t), so that a time error counts as the way
- * that the image moves in it. Windows and polarities are compared by themselves, with one point per cell of space. */
+/* Motion-scaled Chamfer distance (paper, Sec. 4.3): events are points (x, y, v t), so an error of time counts as the distance
+ * that the image moves in it. Windows and polarities are compared separately, with one point per cell of space and time. */
 #include "td_math.h"
 #include "td_metrics.h"
 #include "td_point_tree.h"
@@ -8,16 +8,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Cells of one slab in time: which point the cell holds, if its serial number is the slab's. */
+/* A cell of the current slab of time: its point, valid if the serial number is the slab's. */
 typedef struct cell {
     uint64_t serial;
     size_t point;
 } cell;
 
-/* The points of one stream, window and polarity. */
+/* The points of one stream in one window, of one polarity. */
 typedef struct cloud {
     td_point *points;
-    double *weights; /* events of each point */
+    double *weights; /* number of events in each point */
     uint8_t *axes;
     size_t count, capacity, weight_capacity, axis_capacity;
 } cloud;
@@ -30,13 +30,13 @@ typedef struct chamfer {
     size_t across;
     uint64_t serial;
     cloud clouds[2];
-    td_sum weighted, weight; /* of the terms */
-    td_sum directed[2];      /* sums of distances, from each stream */
-    uint64_t points[2];      /* how many */
+    td_sum weighted, weight; /* sums of the terms */
+    td_sum directed[2];      /* sums of distances from each stream's points */
+    uint64_t points[2];      /* number of these */
 } chamfer;
 
 static size_t cell_of(double coordinate, double edge) {
-    /* Coordinates are whole: no two of them share a cell that is smaller than a pixel. */
+    /* Coordinates are whole numbers, so a cell smaller than a pixel holds only one. */
     return (size_t)(edge > 1.0 ? floor(coordinate / edge) : coordinate);
 }
 
@@ -58,8 +58,8 @@ static void add_to_point(cloud *made, cell *here, uint64_t serial, const double 
     made->weights[here->point] += 1.0;
 }
 
-/* One point per cell: the mean of its events. Streams are in order of time, so a slab of cells is finished when the next
- * begins. */
+/* Replaces the events in each cell by their mean. Streams are in order of time, so a slab of cells is complete when the next
+ * one begins. */
 static tides_status thin(chamfer *f, const tides_event *events, size_t count, int polarity, int64_t window_ns, cloud *made) {
     const double edge = f->compare->options->cell_px;
     double slab = -1.0;
@@ -82,8 +82,8 @@ static tides_status thin(chamfer *f, const tides_event *events, size_t count, in
     return TIDES_OK;
 }
 
-/* Sum of the distances from each point of `from` to the nearest of `to`. Points come in the order of their tree, so the last
- * one's distance and the way from it bound the next one's. */
+/* Sum of the distances from each point of `from` to the nearest one of `to`. Points come in the order of their tree. So the
+ * last distance, plus the step from the last point, is a bound for the next one. */
 static double directed(const td_point_tree *from, const td_point_tree *to, double limit) {
     td_sum sum = {0, 0};
     double last = limit;
@@ -92,7 +92,7 @@ static double directed(const td_point_tree *from, const td_point_tree *to, doubl
         if (i && last < limit) {
             const td_point *a = &from->points[i - 1], *b = &from->points[i];
             const double x = a->at[0] - b->at[0], y = a->at[1] - b->at[1], z = a->at[2] - b->at[2];
-            /* Rounded up by more than the distances' errors. */
+            /* The bound is rounded up by more than the rounding errors. */
             reach = fmin(limit, (last + sqrt(x * x + y * y + z * z)) * (1.0 + 1e-12) + 1e-12);
         }
         last = sqrt(td_point_tree_nearest(to, &from->points[i], reach * reach));
@@ -102,7 +102,7 @@ static double directed(const td_point_tree *from, const td_point_tree *to, doubl
     return td_sum_of(&sum);
 }
 
-/* One window and polarity. */
+/* Adds the term of a window and polarity. */
 static void add_term(chamfer *f) {
     const size_t counts[2] = {f->clouds[0].count, f->clouds[1].count};
     const double points = (double)(counts[0] + counts[1]);
@@ -130,7 +130,7 @@ static size_t window_end(const td_stream *stream, size_t first, int64_t end_ns) 
     return first;
 }
 
-/* All windows that hold events. */
+/* Goes through all windows with events. */
 static tides_status walk(chamfer *f) {
     const td_compare *c = f->compare;
     const td_stream *streams[2] = {&c->reference, &c->simulated};

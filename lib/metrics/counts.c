@@ -1,4 +1,4 @@
-/* A part of tides_metrics_compare: how many events, of which polarity, and where, in both streams. */
+/* Compares numbers of events, their polarities, and their distribution over pixels, in two streams. */
 #include "td_metrics.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@ static size_t count_on(const td_stream *stream) {
     return on;
 }
 
-/* Pearson's correlation over all pixels; NaN where either stream has the same count everywhere. */
+/* Pearson's correlation of the counts over all pixels; NaN if a stream has the same count everywhere. */
 static double correlation(const td_compare *c) {
     const size_t pixels = td_compare_pixels(c), *a = c->reference.first, *b = c->simulated.first;
     const double mean_a = (double)c->reference.count / (double)pixels, mean_b = (double)c->simulated.count / (double)pixels;

@@ -1,7 +1,7 @@
 /* Fano-factor error (paper, Sec. 4.3): how bursty each tile's events are, F = Var(N) / E[N] of the counts in equal bins of
  * time.
  *
- * Bins are the whole ones of the interval. Streams are in order of time, so each tile only has to remember its present bin. */
+ * Only whole bins within the interval count. Streams are in order of time, so a tile only needs its current bin. */
 #include "td_metrics.h"
 
 #include "td_math.h"
@@ -11,8 +11,8 @@
 #include <string.h>
 
 typedef struct tile_bins {
-    uint64_t events, squares; /* of the finished bins: sums of counts and of their squares */
-    int64_t bin;              /* the present one */
+    uint64_t events, squares; /* of finished bins: sums of counts and of squared counts */
+    int64_t bin;              /* the current one */
     uint64_t in_bin;
 } tile_bins;
 
@@ -38,14 +38,14 @@ static void count_bins(const td_compare *c, const td_stream *stream, int64_t bin
     for (size_t i = 0; i < count; i++) finish_bin(&tiles[i]);
 }
 
-/* Variance over n - 1, in the form without a difference of large rounded numbers: n sum(c^2) - sum(c)^2 of integers. */
+/* Variance over n - 1 divided by the mean, with n sum(c^2) - sum(c)^2 in integers, which has no cancellation. */
 static double fano_factor(const tile_bins *tile, int64_t bins) {
     const long double n = (long double)bins, sum = (long double)tile->events;
     const long double variance = (n * (long double)tile->squares - sum * sum) / (n * (n - 1));
     return (double)(variance / (sum / n));
 }
 
-/* Sums over the tiles that have enough events in both streams. */
+/* Sums over the tiles with enough events in both streams. */
 static void compare_tiles(const td_compare *c, const tile_bins *a, const tile_bins *b, size_t count, int64_t bins, int which) {
     const uint64_t least = (uint64_t)c->options->fano_events_min;
     tides_metrics *m = c->metrics;
@@ -75,7 +75,7 @@ tides_status td_compare_fano(td_compare *c) {
     if (!tiles) return TIDES_NO_MEMORY;
     for (int which = 0; which < TIDES_FANO_BINS; which++) {
         const int64_t bin_ns = llround(1e9 * c->options->fano_bin_s[which]);
-        if (c->span_ns / bin_ns < 2) continue; /* no variance */
+        if (c->span_ns / bin_ns < 2) continue; /* too few bins for a variance */
         memset(tiles, 0, 2 * count * sizeof *tiles);
         count_bins(c, &c->reference, bin_ns, across, tiles, count);
         count_bins(c, &c->simulated, bin_ns, across, tiles + count, count);

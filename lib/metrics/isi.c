@@ -1,7 +1,7 @@
-/* Intervals between the events of each pixel, and the inverse Gaussians fitted to them: IG-NLL (paper, Sec. 4.3).
+/* Intervals between the events of each pixel, and inverse Gaussian distributions fitted to them: IG-NLL (paper, Sec. 4.3).
  *
- * The density is sqrt(shape / (2 pi tau^3)) exp(-shape (tau - mean)^2 / (2 mean^2 tau)), so that everything follows from four
- * means over the intervals: of tau, 1/tau, log tau, and their number. */
+ * The density is sqrt(shape / (2 pi tau^3)) exp(-shape (tau - mean)^2 / (2 mean^2 tau)). So everything follows from the
+ * number of intervals, and the means of tau, 1/tau and log tau. */
 #include "td_metrics.h"
 
 #include "td_math.h"
@@ -26,10 +26,11 @@ static void add_interval(moments *m, int64_t interval_ns, double floor_s) {
     td_sum_add(&m->logarithm, td_ln(tau));
 }
 
-/* Intervals of one pixel, each kind; those of any two consecutive events also go to `list`, whose new length is returned. */
+/* Adds the intervals of a pixel to each kind. The intervals between consecutive events also go to `list`, whose new length is
+ * returned. */
 static size_t pixel_intervals(const uint64_t *train, size_t count, double floor_s, moments kinds[TIDES_PAIRS], uint64_t *list,
                               size_t length) {
-    int64_t last[2] = {-1, -1}; /* of each polarity */
+    int64_t last[2] = {-1, -1}; /* time of each polarity's last event */
     for (size_t i = 0; i < count; i++) {
         const int64_t time = td_train_time(train[i]);
         const int on = td_train_on(train[i]);
@@ -47,10 +48,10 @@ static size_t pixel_intervals(const uint64_t *train, size_t count, double floor_
 
 static double mean_tau(const moments *m) { return td_sum_of(&m->tau) / (double)m->count; }
 
-/* mean(1/tau) - 1/mean(tau): 1/shape before it is kept off 0, where a train is regular. */
+/* mean(1/tau) - 1/mean(tau): the estimate of 1/shape, before a lower bound for regular trains. */
 static double spread(const moments *m) {
     const double difference = td_sum_of(&m->inverse) / (double)m->count - 1.0 / mean_tau(m);
-    return difference > 0 ? difference : 0.0; /* below 0 by rounding only: Jensen */
+    return difference > 0 ? difference : 0.0; /* below 0 only by rounding (Jensen) */
 }
 
 static tides_interval_fit fit(const moments *m) {
@@ -61,7 +62,7 @@ static tides_interval_fit fit(const moments *m) {
     return fitted;
 }
 
-/* -log density, averaged over the intervals. */
+/* Negative log density, averaged over the intervals. */
 static double negative_log_likelihood(const moments *m, const tides_interval_fit *f) {
     const double log_2_pi = 1.8378770664093453;
     const double n = (double)m->count, mean_log = td_sum_of(&m->logarithm) / n, mean_inverse = td_sum_of(&m->inverse) / n;
@@ -69,7 +70,7 @@ static double negative_log_likelihood(const moments *m, const tides_interval_fit
            f->shape_s / (2.0 * f->mean_s * f->mean_s) * (mean_tau(m) - 2.0 * f->mean_s + f->mean_s * f->mean_s * mean_inverse);
 }
 
-/* The difference of two such, without the terms that cancel. */
+/* The difference of two negative log-likelihoods, without the terms that cancel. */
 static double excess(const moments *m, const tides_interval_fit *own, const tides_interval_fit *other) {
     const double away = own->mean_s - other->mean_s;
     return 0.5 * (td_ln(own->shape_s / other->shape_s) + (other->shape_s - own->shape_s) * spread(m)) +

@@ -1,11 +1,11 @@
-/* A part of tides_metrics_compare: intervals between events of a pixel by the polarity of the first, as distances of their
- * distributions. Thresholds of ON and OFF, refractory periods and wrong front ends move the two apart. */
+/* Compares intervals between a pixel's events separately by the polarity of the first event, as distances of distributions.
+ * Differences of thresholds, refractory periods and front ends show here. */
 #include "td_metrics.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* The intervals of all pixels that an event of polarity `on` begins; how many. */
+/* Collects the intervals of all pixels that begin with an event of polarity `on`; returns their number. */
 static size_t collect(const td_stream *stream, size_t pixels, int on, uint64_t *list) {
     size_t count = 0;
     for (size_t p = 0; p < pixels; p++)

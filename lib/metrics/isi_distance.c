@@ -1,5 +1,5 @@
-/* Wasserstein-1 distance of the distributions of log10 of intervals: the area between their distribution functions, in
- * decades. */
+/* Wasserstein-1 distance of the distributions of log10 of intervals, in decades: the area between the cumulative
+ * distributions. */
 #include "td_metrics.h"
 
 #include "td_math.h"

@@ -1,14 +1,14 @@
-/* ISI spike ratio (paper, Sec. 4.3): the fraction of intervals near zero or at the quanta of a clock.
+/* ISI spike ratio (paper, Sec. 4.3): the fraction of intervals near zero or at multiples of a clock's period.
  *
- * Near zero is at most 1 us. With a known clock, intervals within 1 us of a multiple of its period count. Without one,
- * spikes are found in the histogram of intervals up to 50 ms, in ticks: a bin is a spike where it holds at least 8 (median +
- * 1) intervals, the median being that of the bins up to 50 ticks away, and what it holds above the median counts. */
+ * Near zero means at most 1 us. With a known clock, intervals within 1 us of a multiple of its period count. Without one,
+ * spikes are searched in a histogram of intervals up to 50 ms, whose bins are ticks. A bin is a spike if it holds at least 8
+ * (median + 1) intervals, where the median is over bins up to 50 ticks away. What it holds above the median counts. */
 #include "td_metrics.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { REACH = 50, FACTOR = 8 }; /* bins to each side; times the baseline */
+enum { REACH = 50, FACTOR = 8 }; /* bins to each side; factor above the median */
 
 static const uint64_t near_ns = 1000, longest_ns = 50000000;
 
@@ -43,7 +43,7 @@ static int on_clock(uint64_t interval_ns, double period_ns) {
 tides_status td_isi_spike(const uint64_t *intervals, size_t count, const tides_metrics_options *options, double *spike,
                           tides_error *error) {
     const double period_ns = 1e9 * options->clock_s;
-    /* A bin is a tick, but no less than a microsecond, so that the histogram stays small. */
+    /* A bin is a tick, but at least a microsecond, to keep the histogram small. */
     const uint64_t tick = options->tick_ns > 1000 ? (uint64_t)options->tick_ns : 1000;
     const size_t bins = (size_t)(longest_ns / tick + 1);
     double counted = 0;
@@ -55,7 +55,7 @@ tides_status td_isi_spike(const uint64_t *intervals, size_t count, const tides_m
         if (bin < bins) histogram[bin]++;
         if (intervals[i] <= near_ns || (period_ns > 0 && on_clock(intervals[i], period_ns))) counted++;
     }
-    /* Bins that are near zero altogether are counted already. */
+    /* Bins that lie wholly near zero were counted already. */
     if (!(period_ns > 0)) counted += spikes(histogram, bins, (size_t)(near_ns / tick + 1));
     free(histogram);
     *spike = counted / (double)count;

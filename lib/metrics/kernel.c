@@ -8,10 +8,10 @@
 
 enum { REPORT_EVERY = 1024 }; /* events */
 
-static const double reach = 9.0; /* standard deviations: exp(-9^2 / 2) is below a double's rounding of 1 */
+static const double reach = 9.0; /* standard deviations: beyond, exp(-9^2 / 2) is below the rounding of 1 */
 
-/* The sum over the pairs of one event of each stream. All three sums go through their pairs in the same order, so that equal
- * streams give exactly 0. */
+/* The sum over the pairs of an event of each stream. All three sums have their pairs in the same order, so that equal streams
+ * give exactly 0. */
 static tides_status inner(const td_compare *c, const td_stream *a, const td_stream *b, double done, double *result) {
     const double px = 0.5 / (c->options->kernel_px * c->options->kernel_px);
     const double sigma_ns = 1e9 * c->options->kernel_s, ns = 0.5 / (sigma_ns * sigma_ns);

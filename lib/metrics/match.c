@@ -1,4 +1,4 @@
-/* Matches a stream of events to the exact one: each pixel and polarity by itself, in order of time (DESIGN 7). */
+/* Matches a stream of events with the exact one, separately for each pixel and polarity, in order of time. */
 #include "td_align.h"
 #include "tides/metrics.h"
 
@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Times beyond this [ns], 146 years, are no times: their differences might not fit an int64. */
+/* Times beyond this [ns], 146 years, are refused: their differences might not fit an int64. */
 static const int64_t time_limit = INT64_C(4611686018427387904);
 
-/* By place, then by time. */
+/* Sorts by pixel and polarity, then by time. */
 static int by_place(const void *left, const void *right) {
     const tides_event *a = left, *b = right;
     if (a->y != b->y) return a->y < b->y ? -1 : 1;
@@ -24,7 +24,7 @@ static int compare_place(const tides_event *a, const tides_event *b) {
     return by_place(&x, &y);
 }
 
-/* A checked copy, sorted by place. NULL: *status says why. */
+/* A checked copy, sorted by pixel and polarity. NULL: *status tells why. */
 static tides_event *sorted_copy(const tides_event *events, size_t count, const char *name, tides_status *status,
                                 tides_error *error) {
     for (size_t i = 0; i < count; i++) {
@@ -45,7 +45,7 @@ static tides_event *sorted_copy(const tides_event *events, size_t count, const c
     return copy;
 }
 
-/* Events from the first on that share its place; their times go to `times`. */
+/* Counts the events from the first on with its pixel and polarity, and copies their times. */
 static size_t group(const tides_event *events, size_t count, int64_t *times) {
     size_t length = 0;
     while (length < count && compare_place(&events[0], &events[length]) == 0) {
@@ -55,7 +55,7 @@ static size_t group(const tides_event *events, size_t count, int64_t *times) {
     return length;
 }
 
-/* Both streams side by side, place by place. */
+/* Goes through both streams together, one pixel and polarity after the other. */
 static tides_status align_places(td_align *align, const tides_event *a, size_t count_a, const tides_event *b, size_t count_b,
                                  int64_t limit, tides_error *error) {
     int64_t *times_a = td_alloc(count_a, sizeof *times_a, error), *times_b = td_alloc(count_b, sizeof *times_b, error);
@@ -79,7 +79,7 @@ static int ascending(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* Between the two neighbours of rank share (count - 1). */
+/* Percentile: interpolated between the two neighbours of rank share (count - 1). */
 static double percentile_us(const int64_t *sorted, size_t count, double share) {
     if (count == 0) return NAN;
     double rank = share * (double)(count - 1), below = floor(rank);

@@ -1,4 +1,4 @@
-/* tides_metrics_compare: gets two streams ready (stream.c), and asks each part that is wanted, each in its own file. */
+/* tides_metrics_compare: prepares two streams (checked, cropped, sorted), and computes all requested families of metrics. */
 #include "td_metrics.h"
 
 #include "td_struct.h"
@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-#define PIXELS_MAX ((size_t)1 << 26) /* eight times the largest event sensor: a bound on memory, whatever a file claims */
+#define PIXELS_MAX ((size_t)1 << 26) /* eight times the largest event sensor: limits memory, whatever a file claims */
 
-/* -- what is compared ----------------------------------------------------------------------------------------------- */
+/* -- region and interval ----------------------------------------------------------------------------------------------- */
 
 static tides_status set_region(td_compare *c, const td_extent *a, const td_extent *b) {
     const tides_metrics_options *o = c->options;
@@ -30,7 +30,7 @@ static tides_status set_region(td_compare *c, const td_extent *a, const td_exten
     return TIDES_OK;
 }
 
-/* Recordings of two clocks would be compared with nothing, event for event, and their counts still agree. */
+/* Refuses recordings that don't overlap in time: they have different clocks, and only their counts would agree. */
 static tides_status check_clocks(const td_compare *c, const td_extent *a, size_t count_a, const td_extent *b, size_t count_b) {
     const int given = c->options->start_ns != c->options->stop_ns;
     if (given || !count_a || !count_b || (a->first_ns <= b->last_ns && b->first_ns <= a->last_ns)) return TIDES_OK;
@@ -57,7 +57,7 @@ static void set_interval(td_compare *c, const td_extent *a, size_t count_a, cons
     c->span_ns = stop - c->metrics->start_ns;
 }
 
-/* NaN everywhere, but for what is counted. */
+/* Sets all metrics to NaN, and counts to 0. */
 static void clear(tides_metrics *m, uint32_t wanted) {
     static const int repeats[] =
         {[TIDES_REPEATS_ONCE] = 1, [TIDES_REPEATS_PAIRS] = TIDES_PAIRS, [TIDES_REPEATS_BINS] = TIDES_FANO_BINS};
@@ -78,7 +78,7 @@ static void clear(tides_metrics *m, uint32_t wanted) {
 
 /* -- the parts ------------------------------------------------------------------------------------------------------ */
 
-/* Exact times are matched as they are, without a clock. Before anything else: matching makes copies of its own. */
+/* Matches exact times, which aren't rounded to a clock. It comes first, because it makes copies of the streams. */
 static tides_status match(td_compare *c, const tides_event *reference, size_t reference_count, const tides_event *simulated,
                           size_t simulated_count) {
     if (!(c->options->wanted & TIDES_METRIC_MATCH)) return TIDES_OK;

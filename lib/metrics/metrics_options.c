@@ -9,9 +9,9 @@ void tides_metrics_options_defaults(tides_metrics_options *options) {
     options->size = sizeof *options;
     options->wanted = TIDES_METRICS_DEFAULT;
     options->tick_ns = 1000;
-    options->isi_floor_s = 0.5e-6; /* half a tick */
+    options->isi_floor_s = 0.5e-6; /* [s] half a tick */
     options->fano_bin_s[0] = 1e-3;
-    options->fano_bin_s[1] = 0.2e-3; /* a bin as long as a simulator's frame hides its batches: so there are three */
+    options->fano_bin_s[1] = 0.2e-3; /* three sizes, since a bin as long as a simulator's frame hides its batches */
     options->fano_bin_s[2] = 5e-3;
     options->fano_tile_px = 16;
     options->fano_events_min = 20;
@@ -31,7 +31,7 @@ typedef struct bound {
     double value, least, most;
 } bound;
 
-/* Durations are at least a nanosecond, and short enough to be counted in them. */
+/* Durations are at least a nanosecond, and small enough for 64-bit nanoseconds. */
 static const double least_s = 1e-9, most_s = 1e9;
 
 static tides_status check_numbers(const tides_metrics_options *o, tides_error *error) {
@@ -62,7 +62,7 @@ static tides_status check_numbers(const tides_metrics_options *o, tides_error *e
 }
 
 tides_status td_metrics_options_check(const tides_metrics_options *o, tides_error *error) {
-    const int64_t time_limit = INT64_C(2305843009213693952); /* as for events: lib/metrics/stream.c */
+    const int64_t time_limit = INT64_C(2305843009213693952); /* limit of event times [ns]: differences must fit 64 bits */
     if (o->wanted & ~(uint32_t)TIDES_METRICS_ALL)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_metrics_options: wanted is %#x; the known ones are %#x",
                        (unsigned)o->wanted, (unsigned)TIDES_METRICS_ALL);

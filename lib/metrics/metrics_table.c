@@ -1,22 +1,22 @@
-/* The table of metrics: every value of a comparison once, with its family, its unit, which way is better and a sentence. The
- * values that begin as NaN, the tool's JSON, table and --only, and Python's list are made of it. A new metric is a file of its
- * own, a field of tides_metrics with its definition, and its rows here. */
+/* The table of metrics: every value of a comparison, with family, unit, direction of better, and a sentence. The initial
+ * NaNs, the tool's JSON, table and --only, and Python's list are made from it. A new metric needs a file, a documented field
+ * in tides_metrics, and rows here. */
 #include "td_metrics.h"
 
 #define ROW(of, label, family, kind, often, field, span, units, way, text) \
     { label, FAMILY_##family, units, text, TIDES_BETTER_##way, TIDES_OF_##of, TIDES_REPEATS_##often, kind, field, span }
-/* Rows of the comparison: a number, a count, a number for each kind of pairs or for each bin. */
+/* Rows about the comparison: a number, a count, or a number for each kind of pairs or each bin. */
 #define ONCE(name, family, member, unit, way, text) \
     ROW(BOTH, name, family, 1, ONCE, offsetof(tides_metrics, member), 0, unit, way, text)
 #define COUNT(name, family, member, unit, way, text) \
     ROW(BOTH, name, family, 0, ONCE, offsetof(tides_metrics, member), 0, unit, way, text)
 #define EACH(often, name, family, member, unit, way, text) \
     ROW(BOTH, name, family, 1, often, offsetof(tides_metrics, member), sizeof(double), unit, way, text)
-/* Rows of each stream by itself. */
+/* Rows about each stream. */
 #define STREAM(often, real, name, family, member, span, unit, text) \
     ROW(STREAM, name, family, real, often, offsetof(tides_stream_metrics, member), span, unit, NEITHER, text)
 
-/* Families: their names for --only, and what computes them. */
+/* Families: their names for --only, and their bits. */
 #define FAMILY_COUNTS "counts", TIDES_METRIC_COUNTS
 #define FAMILY_ISI "isi", TIDES_METRIC_ISI
 #define FAMILY_SAME "same-ts", TIDES_METRIC_SAME_TIME
@@ -28,7 +28,7 @@
 #define FAMILY_KERNEL "kernel", TIDES_METRIC_KERNEL
 #define FAMILY_MATCH "match", TIDES_METRIC_MATCH
 
-/* In the order of the tool's output; families in that of --only. */
+/* In the order of the tool's output; families in the order of --only. */
 static const tides_metric table[] = {
     STREAM(ONCE, 1, "on_fraction", COUNTS, on_fraction, 0, "", "ON events / events"),
     STREAM(PAIRS, 0, "isi", ISI, intervals[0].count, sizeof(tides_interval_fit), "", "intervals between events of a pixel"),

@@ -1,10 +1,10 @@
-/* A k-d tree in an array: a range's middle point splits it along its longest side, ranges of a few points are searched
- * through. */
+/* A k-d tree in an array. The middle point of a range splits it along its longest side. Ranges of a few points are searched
+ * linearly. */
 #include "td_point_tree.h"
 
 #include <math.h>
 
-/* Points of a range that is searched through and not split further. */
+/* Largest number of points in a range that isn't split. */
 enum { LEAF = 8 };
 
 static int longest_side(const td_point *points, size_t count) {
@@ -25,14 +25,14 @@ static void swap(td_point *a, td_point *b) {
     *b = held;
 }
 
-/* The middle of three, so that sorted points split evenly. */
+/* The median of three coordinates, so that sorted points split evenly. */
 static double pivot_of(const td_point *points, size_t count, int axis) {
     const double a = points[0].at[axis], b = points[count / 2].at[axis], c = points[count - 1].at[axis];
     return fmax(fmin(a, b), fmin(fmax(a, b), c));
 }
 
-/* Moves the points so that none before `rank` is above it along the axis and none after it is below (Hoare's FIND). Both scans
- * stop at equal values: many points share a coordinate. */
+/* Reorders the points so that none before `rank` is above it along the axis, and none behind is below (Hoare's FIND). Both
+ * scans stop at equal values, because many points share a coordinate. */
 static void select_rank(td_point *points, ptrdiff_t count, ptrdiff_t rank, int axis) {
     ptrdiff_t low = 0, high = count - 1;
     while (low < high) {
@@ -75,8 +75,8 @@ static inline double square_distance(const td_point *a, const td_point *b) {
     return x * x + y * y + z * z;
 }
 
-/* `outside` is how far the query lies outside the range's box along each axis, `beyond` the sum of the squares (Arya & Mount
- * 1993): nothing in the range is nearer. */
+/* A search. `outside` is the query's distance from the range's box along each axis. No point in the range is nearer than the
+ * root of `beyond`, the sum of their squares (Arya & Mount 1993). */
 typedef struct search {
     const td_point *query;
     double outside[3];

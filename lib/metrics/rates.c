@@ -1,17 +1,17 @@
-/* A part of tides_metrics_compare: by how many events two streams differ in each bin of time, and in each region. */
+/* Compares the numbers of events of two streams in each bin of time, and in each tile of the image. */
 #include "td_metrics.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Events of the stream from *next on that are in `bin`. */
+/* Counts the stream's events in `bin`, from *next on. */
 static int64_t in_bin(const td_stream *stream, size_t *next, int64_t bin, int64_t bin_ns) {
     const size_t first = *next;
     while (*next < stream->count && stream->events[*next].t / bin_ns == bin) ++*next;
     return (int64_t)(*next - first);
 }
 
-/* Streams are in order of time: bins that neither has events in are passed over. */
+/* Sum of the differences over bins. Streams are in order of time, so bins without events are skipped. */
 static double rate_error(const td_compare *c, int64_t bin_ns) {
     const td_stream *a = &c->reference, *b = &c->simulated;
     int64_t sum = 0;

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 
 typedef struct tile_count {
-    size_t group, count; /* which group of simultaneous events the count is of */
+    size_t group, count; /* number of the group of simultaneous events; their count in the tile */
 } tile_count;
 
-/* Events of one group that share their tile. */
+/* Number of events of a group that share their tile with another one. */
 static size_t shared_tiles(const tides_event *events, size_t count, size_t group, int32_t tile, size_t across,
                            tile_count *tiles) {
     size_t shared = 0;
@@ -17,7 +17,7 @@ static size_t shared_tiles(const tides_event *events, size_t count, size_t group
         tile_count *here = &tiles[(size_t)(events[i].y / tile) * across + (size_t)(events[i].x / tile)];
         if (here->group != group) *here = (tile_count){group, 0};
         here->count++;
-        /* The second one makes the first one shared too. */
+        /* With the second event, the first one is shared, too. */
         shared += here->count == 2 ? 2 : here->count > 2;
     }
     return shared;

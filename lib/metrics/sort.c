@@ -1,4 +1,4 @@
-/* Sorting many numbers and summing them without loss, for the parts of tides_metrics_compare. */
+/* Sorts many numbers, and sums numbers without loss of precision, for the metrics. */
 #include "td_metrics.h"
 
 #include "td_sort.h"

@@ -1,5 +1,5 @@
-/* Speed of the image, from the reference alone. A pixel's crossing time is the time since the latest earlier event of equal
- * polarity on the four neighbours. v is one pixel over the median of the crossing times up to 50 ms. */
+/* Speed of the image, from the reference only. A pixel's crossing time is the time since the latest earlier event of equal
+ * polarity on its four neighbours. The speed is one pixel divided by the median of the crossing times up to 50 ms. */
 #include "td_metrics.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 static const int64_t longest_ns = 50000000;
 
-/* The latest event of each pixel and polarity [ns]; never: below -longest_ns. */
+/* The time of the latest event for each polarity and pixel [ns]; for none, a time below -longest_ns. */
 typedef struct surface {
     int64_t *latest; /* (2, height, width) */
     int32_t width, height;
@@ -28,7 +28,7 @@ static int64_t latest_neighbour(const surface *s, const tides_event *event) {
     return latest;
 }
 
-/* Events at the same time don't see each other: they are asked first, and noted after. */
+/* Simultaneous events don't count for each other: all are looked up first, and stored afterwards. */
 static size_t crossing_times(const td_stream *stream, const surface *s, uint64_t *times) {
     const tides_event *events = stream->events;
     size_t found = 0;

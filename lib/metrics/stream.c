@@ -1,10 +1,10 @@
-/* Streams made ready for comparison: checked, cropped, floored to the clock, and sorted by pixel. */
+/* Prepares streams for comparison: checks, crops, rounds times down to the clock, and sorts by pixel. */
 #include "td_metrics.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Times beyond this [ns], 73 years, are no times: differences, shifted by the polarity's bit, must fit 64 bits. */
+/* Times beyond this [ns], 73 years, are refused: differences, shifted by the bit for polarity, must fit 64 bits. */
 static const int64_t time_limit = INT64_C(2305843009213693952);
 
 int64_t td_floor_to(int64_t value, int64_t step) {
@@ -50,7 +50,7 @@ tides_status td_stream_check(const tides_event *events, size_t count, const char
     return TIDES_OK;
 }
 
-/* Copies what lies in interval and region. */
+/* Copies the events within interval and region. */
 static void crop(const tides_event *events, size_t count, const td_compare *c, int64_t tick_ns, td_stream *stream) {
     const tides_metrics *m = c->metrics;
     const int32_t left = c->options->roi[0], top = c->options->roi[1];
@@ -66,13 +66,13 @@ static void crop(const tides_event *events, size_t count, const td_compare *c, i
     }
 }
 
-/* A counting sort by pixel: stable, so that each pixel's events stay in order of time. */
+/* Counting sort by pixel. It is stable, so each pixel's events stay in order of time. */
 static tides_status make_train(const td_compare *c, td_stream *stream) {
     const size_t pixels = td_compare_pixels(c), width = (size_t)c->width;
     size_t *first = stream->first = td_alloc(pixels + 2, sizeof *first, c->error);
     uint64_t *train = stream->train = td_alloc(stream->count, sizeof *train, c->error);
     if (!first || !train) return TIDES_NO_MEMORY;
-    /* Counted two entries further on: placing the events moves each to where it belongs. */
+    /* Counts are stored two entries further: placing the events turns them into first indices. */
     for (size_t i = 0; i < stream->count; i++) first[stream->events[i].y * width + stream->events[i].x + 2]++;
     for (size_t i = 2; i < pixels + 2; i++) first[i] += first[i - 1];
     for (size_t i = 0; i < stream->count; i++) {

@@ -1,17 +1,16 @@
-/* Internal: data that the parts of tides_metrics_compare share: two streams sorted by pixel, and the options. Each part fills
- * its own numbers and knows nothing of the others. */
+/* Internal: data for the families of metrics: two prepared streams, and the options. Each family fills its own fields. */
 #ifndef TD_METRICS_H
 #define TD_METRICS_H
 
 #include "td_base.h"
 #include "tides/metrics.h"
 
-/* A stream as it is compared: cropped, counted from the start and the region's corner, floored to ticks; and once more pixel by
+/* A prepared stream: cropped, relative to start and corner of the region, and rounded down to ticks; and again sorted by
  * pixel. */
 typedef struct td_stream {
     tides_event *events; /* in order of time */
     size_t count;
-    size_t *first;   /* (pixels + 1): where each pixel's events begin in `trains` */
+    size_t *first;   /* (pixels + 1): first index of each pixel's events in `train` */
     uint64_t *train; /* pixel by pixel, in order of time: time [ns] << 1 | ON */
 } td_stream;
 
@@ -20,67 +19,67 @@ static inline int td_train_on(uint64_t entry) { return (int)(entry & 1); }
 
 typedef struct td_compare {
     const tides_metrics_options *options;
-    int32_t width, height; /* [px] of what is compared */
+    int32_t width, height; /* [px] of the region */
     int64_t span_ns;       /* stop - start */
     td_stream reference, simulated;
     tides_progress progress;
     void *user;
-    tides_metrics *metrics; /* being filled */
+    tides_metrics *metrics; /* the result */
     tides_error *error;
 } td_compare;
 
 static inline size_t td_compare_pixels(const td_compare *c) { return (size_t)c->width * (size_t)c->height; }
 
-/* How many tiles of `edge` px cover `size` px; 1 where there are none. */
+/* Number of tiles of `edge` px that cover `size` px; 1 for size 0. */
 static inline size_t td_tiles(int32_t size, int32_t edge) { return size > 0 ? ((size_t)size - 1) / (size_t)edge + 1 : 1; }
 
-/* TIDES_CANCELLED where the caller wants to stop. */
+/* Reports progress; TIDES_CANCELLED if the caller wants to stop. */
 static inline tides_status td_compare_report(const td_compare *c, double fraction, const char *stage) {
     if (!c->progress || c->progress(c->user, fraction, stage) == 0) return TIDES_OK;
     return td_fail(c->error, TIDES_CANCELLED, "stopped on request");
 }
 
-/* stream.c: what one stream must be, and how far both reach. */
+/* Checks a stream, and finds its extent in time and space. */
 typedef struct td_extent {
     int64_t first_ns, last_ns;
-    int32_t width, height; /* [px] that the events need; 0 where there are none */
+    int32_t width, height; /* [px] needed by the events; 0 without events */
 } td_extent;
 tides_status td_stream_check(const tides_event *events, size_t count, const char *name, const tides_metrics_options *options,
                              td_extent *extent, tides_error *error);
-/* The part of a stream that lies in the interval and the region, times floored to tick_ns (0: not). `train` is only made
- * where wanted. */
+/* Copies the part of a stream within interval and region, with times rounded down to tick_ns (0: unchanged). `train` is made
+ * only if wanted. */
 tides_status td_stream_make(const tides_event *events, size_t count, const td_compare *c, int64_t tick_ns, int with_train,
                             td_stream *stream);
 void td_stream_release(td_stream *stream);
-int64_t td_floor_to(int64_t value, int64_t step); /* downwards, of negative values too; step 0: value */
+int64_t td_floor_to(int64_t value, int64_t step); /* rounds down, also negative values; step 0: unchanged */
 
-/* sort.c: ascending; `scratch` is memory for as many values. */
+/* Sorts ascending; `scratch` has room for as many values. */
 void td_sort_values(uint64_t *values, uint64_t *scratch, size_t count);
 
-/* Between the middle two where `count` (above 0) is even. */
+/* The median; for an even `count` (above 0) the mean of the middle two. */
 double td_median(const uint64_t *sorted, size_t count);
 
-/* A sum with the rounding errors of its additions added back (Neumaier 1974). Zero it to begin with. */
+/* A sum that also adds up its rounding errors (Neumaier 1974). Initialise it with zeros. */
 typedef struct td_sum {
     double total, lost;
 } td_sum;
 void td_sum_add(td_sum *sum, double value);
 static inline double td_sum_of(const td_sum *sum) { return sum->total + sum->lost; }
 
-/* isi_spike.c: of `count` intervals [ns]. */
+/* Spike ratio of `count` intervals [ns]. */
 tides_status td_isi_spike(const uint64_t *intervals, size_t count, const tides_metrics_options *options, double *spike,
                           tides_error *error);
-/* isi_distance.c: W1 of log10 of sorted intervals [ns], none counted as shorter than floor_ns. */
+/* W1 of log10 of sorted intervals [ns]; shorter ones count as floor_ns. */
 double td_isi_distance(const uint64_t *a, size_t count_a, const uint64_t *b, size_t count_b, double floor_ns);
-/* edit_cost.c: Victor-Purpura distance of two ascending lists of times [ns]; `score` is memory for count_b + 1 values. */
+/* Victor-Purpura distance of two ascending lists of times [ns]; `score` has room for count_b + 1 values. */
 double td_edit_cost(const int64_t *a, size_t count_a, const int64_t *b, size_t count_b, double cost_per_ns, double *score);
-/* speed.c: v of the reference [px/s]; NaN where nothing moves. */
+/* Speed of the reference's image [px/s]; NaN if nothing moves. */
 tides_status td_compare_speed(const td_compare *c, double *speed);
 
-/* metrics_options.c */
+/* Checks the options. */
 tides_status td_metrics_options_check(const tides_metrics_options *options, tides_error *error);
 
-/* The parts: each fills its own fields of c->metrics. */
+/* Families: each fills its own fields of c->metrics. */
 tides_status td_compare_counts(td_compare *c);
 tides_status td_compare_rates(td_compare *c);
 tides_status td_compare_isi(td_compare *c);
@@ -91,12 +90,12 @@ tides_status td_compare_chamfer(td_compare *c);
 tides_status td_compare_trains(td_compare *c);
 tides_status td_compare_kernel(td_compare *c);
 
-/* metrics_table.c: what computes values, one after the other, up to a row without a function. */
+/* The functions that compute metrics, one after the other; a row without a function ends the list. */
 typedef struct td_metric_part {
-    uint32_t wanted; /* any of these */
+    uint32_t wanted; /* called if any of these bits is requested */
     const char *stage;
     tides_status (*compute)(td_compare *);
-    int by_pixel; /* 1: goes through the trains of td_stream */
+    int by_pixel; /* 1: uses the trains of td_stream */
 } td_metric_part;
 extern const td_metric_part td_metric_parts[];
 

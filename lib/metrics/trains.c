@@ -1,4 +1,5 @@
-/* Compares the trains of each pixel and polarity: Victor-Purpura, van Rossum, and the time to the nearest event. */
+/* Compares the trains of each pixel and polarity: Victor-Purpura distance, van Rossum distance, and time to the nearest
+ * event. */
 #include "td_metrics.h"
 
 #include "td_math.h"
@@ -18,9 +19,9 @@ typedef struct sums {
     uint64_t over;
 } sums;
 
-/* D^2 = sum over all pairs of events, and each with itself, of w_i w_j exp(-|t_i - t_j| / tau), where w is 1 for a and -1
- * for b (van Rossum 2001, scaled so that one event against none is 1). In order of time the sum over all earlier events
- * decays from one time to the next. Simultaneous events count together, so that equal trains give exactly 0. */
+/* D^2 = sum over all pairs of events (and of each with itself) of w_i w_j exp(-|t_i - t_j| / tau), with w = 1 for a and -1
+ * for b (van Rossum 2001; scaled so that one event against none gives 1). In order of time, the sum over earlier events
+ * decays from one time to the next. Simultaneous events are added together, so that equal trains give exactly 0. */
 static double van_rossum(const train *a, const train *b, double tau_ns) {
     size_t i = 0, j = 0;
     double square = 0, filtered = 0;
@@ -38,7 +39,7 @@ static double van_rossum(const train *a, const train *b, double tau_ns) {
     return square;
 }
 
-/* From each event of `from` to the nearest of `to`, at most `limit`. */
+/* Sums the times from each event of `from` to the nearest one of `to`, each at most `limit`. */
 static void differences(const train *from, const train *to, double limit_ns, sums *s) {
     size_t j = 0;
     for (size_t i = 0; i < from->count; i++) {

@@ -1,5 +1,5 @@
-/* Activation: raw parameters of a Gaussian to what the projection reads, values and rates (paper, Sec. 3.2), in double. For the
- * renderer's store and for motions that are worked out on the host; motions in kernels activate there (kernels/motion.h). */
+/* Activation of a Gaussian's raw parameters to the values and rates that projection reads (paper, Sec. 3.2), in double. It
+ * serves the renderer's store and motions computed on the host; kernels activate on the device. */
 #include "td_activate.h"
 
 #include "camera/td_rotation.h"
@@ -8,8 +8,8 @@
 
 #include <math.h>
 
-/* dR/dt for a unit quaternion q with rate p: td_rotation_rate, whose sums are in another order and round otherwise: events
- * would show it in their last bits. */
+/* dR/dt for a unit quaternion q with rate p. td_rotation_rate has its sums in another order, and rounds differently: the last
+ * bits of events would change. */
 static void rotation_rate_of(const double q[4], const double p[4], double r[9]) {
     double w = q[0], x = q[1], y = q[2], z = q[3];
     double a = p[0], b = p[1], c = p[2], d = p[3];

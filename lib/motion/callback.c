@@ -1,4 +1,4 @@
-/* Motions that a function gives: raw parameters and rates from the caller, checked, then activated on the host. */
+/* Motions given by a user's function: its raw parameters and rates are checked, then activated on the host. */
 #include "td_activate.h"
 #include "td_models.h"
 
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Reals per Gaussian of each array, in the order in which they lie in memory; each is followed by its rates. */
+/* Arrays of a Gaussian, in the order of memory; the rates of each follow it. */
 enum { MEAN = 0, LOG_SCALE, QUATERNION, LOGIT, SH, PARTS };
 static const char *const part_names[PARTS] = {"mean", "log_scale", "quaternion", "opacity_logit", "sh"};
 
@@ -56,7 +56,7 @@ static tides_status rows_create(callback_rows *rows, const tides_gaussians *gaus
     return TIDES_OK;
 }
 
-/* The Gaussians' own parameters: what the function starts from. */
+/* Fills in the Gaussians' own parameters, which the function may leave or change. */
 static void rows_fill(callback_rows *rows, const tides_gaussians *gaussians, const int32_t *index, int64_t count) {
     const float *const own[PARTS] = {gaussians->mean, gaussians->log_scale, gaussians->quaternion, gaussians->opacity_logit,
                                      gaussians->sh};

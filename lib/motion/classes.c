@@ -1,4 +1,4 @@
-/* The table of the motion models, by name: a new one is a line here (docs/ADDING.md). */
+/* The table of motion models, by which scene files and readers find a model from its name. */
 #include "td_hexplane.h"
 #include "td_models.h"
 #include "td_network.h"

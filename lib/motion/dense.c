@@ -1,4 +1,4 @@
-/* Packs fully connected layers into blocks of outputs as kernels/dense.h reads them, for the models that have networks. */
+/* Packs fully connected layers of networks into blocks of outputs, as kernels read them. */
 #include "td_dense.h"
 
 #include "kernels/dense.h"

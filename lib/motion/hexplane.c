@@ -1,5 +1,4 @@
-/* 4DGaussians' deformation as data: which arrays and settings there must be, their sizes, and its time axis. Packed by
- * hexplane_pack.c, evaluated by kernels/motion_hexplane.h. */
+/* 4DGaussians' deformation: checks its arrays and settings, computes its time axis, and finds the Gaussians that move. */
 #include "td_hexplane.h"
 
 #include "td_dense.h"
@@ -13,17 +12,18 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
     return td_hexplane_measure(motion, &hexplane, error);
 }
 
-/* -- the time axis: row (t + 1) / 2 (rows - 1) ---------------------------------------------------------------------- */
+/* -- the time axis: t is at row (t + 1) / 2 (rows - 1)
+ * ---------------------------------------------------------------------- */
 
 static int time_rows(const tides_motion *motion) { return (int)td_hexplane_plane(motion, 0, 2)->shape[2]; }
 
-/* Rates at t = 1, where nothing begins, are the left cell's (PyTorch clips the row there, and gives 0), and at t = 0 the right
- * one's. */
+/* Sets the place on the time axis. At t = 1, the end, rates are those of the last cell (PyTorch clips the row there, which
+ * would give 0); at t = 0, those of the first cell. */
 static void moment(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]) {
     int rows = time_rows(motion), first = td_hexplane_first_row(rows);
     double t = tau < 0 ? 0 : tau > 1 ? 1 : tau;
     double place = (t + 1) / 2 * (rows - 1), nearest = floor(place + 0.5);
-    if (fabs(place - nearest) < 1e-12 * rows) place = nearest; /* a knot, but for rounding */
+    if (fabs(place - nearest) < 1e-12 * rows) place = nearest; /* on a knot, up to rounding */
     double row = floor(place);
     if ((row == place && side < 0 && t > 0) || (row == rows - 1 && rows > 1)) row -= 1;
     real[TD_HEXPLANE_ROW] = row - first;

@@ -1,5 +1,5 @@
-/* 4DGaussians' deformation as numbers for kernels/motion_hexplane.h: the space planes' products and the places in the time
- * planes for every canonical mean, the time planes with neighbouring channels, and the layers. */
+/* Packs 4DGaussians' deformation for its kernel. Each canonical mean gets the product of the space planes and its places in
+ * the time planes. Time planes are reordered so that channels are neighbours; then come the layers. */
 #include "td_hexplane.h"
 
 #include "td_dense.h"
@@ -11,18 +11,18 @@
 
 static const int space_planes[3] = {0, 1, 3}, time_planes[3] = {2, 4, 5}; /* xy xz yz; xt yt zt */
 
-/* A packing under way. */
+/* State of packing. */
 typedef struct packing {
     const tides_motion *motion;
     const tides_gaussians *gaussians;
     td_hexplane shape;
     int channels, features, width; /* padded */
-    int rows;                      /* of the tables */
+    int rows;                      /* rows of the tables */
     int columns[TD_HEXPLANE_LEVELS_MAX][3];
     int stride, sh;
 } packing;
 
-/* Where a coordinate lies on an axis of `size` nodes: the node below, and how far it is to the next. */
+/* A coordinate on an axis of `size` nodes: the node below it, and the fraction towards the next node. */
 typedef struct place {
     int node;
     double fraction;
@@ -32,7 +32,7 @@ static int at_least_two(int count) { return count < 2 ? 2 : count; }
 
 /* -- sizes --------------------------------------------------------------------------------------------------------- */
 
-/* Parts begin where a vector may. */
+/* Rounds up, so that each part begins where a vector may. */
 static size_t padded_size(size_t size) {
     return (size + TD_HEXPLANE_CHANNEL_PAD - 1) / TD_HEXPLANE_CHANNEL_PAD * TD_HEXPLANE_CHANNEL_PAD;
 }
@@ -69,7 +69,7 @@ static void plan(packing *p) {
 
 /* -- parts --------------------------------------------------------------------------------------------------------- */
 
-/* An axis along which the box's first corner is -1 and its second +1; outside, the border. */
+/* The place of a coordinate on an axis: the box's first corner is -1, its second +1; outside it, the border's place. */
 static place find_place(const packing *p, int axis, int size, double coordinate) {
     const float *box = td_motion_field(p->motion, "grid.aabb")->value;
     double from = box[axis], to = box[3 + axis];
@@ -81,12 +81,13 @@ static place find_place(const packing *p, int axis, int size, double coordinate)
     return found;
 }
 
-/* A canonical mean, as it was trained. */
+/* A coordinate of a canonical mean in the trainer's frame. */
 static double coordinate_of(const packing *p, int64_t g, int axis) {
     return p->gaussians->origin[axis] + p->gaussians->mean[3 * g + axis];
 }
 
-/* (channel, row, column) of a plane from (row, column, channel): rows from `first` on, one missing at the end repeated. */
+/* Reorders a plane from (channel, row, column) to (row, column, channel): rows from `first` on. A missing row at the end
+ * repeats the last one. */
 static void turn_plane(const td_field *field, int first, int rows, int columns, int channels, double *to) {
     int height = (int)field->shape[2], width = (int)field->shape[3];
     for (int row = 0; row < rows; row++)
@@ -110,7 +111,8 @@ static double *pack_tables(const packing *p, double *to) {
 
 static double *pack_layer(const packing *p, const char *name, int rows, const int *order, int inputs, int outputs, double *to) {
     td_dense_layer layer = {NULL, NULL, rows, order, inputs, outputs};
-    if (td_dense_fields(p->motion, name, 0, 0, &layer.weight, &layer.bias, NULL) != TIDES_OK) return to; /* measured: there */
+    /* can't fail: measured before */
+    if (td_dense_fields(p->motion, name, 0, 0, &layer.weight, &layer.bias, NULL) != TIDES_OK) return to;
     return td_dense_pack(&layer, to);
 }
 
@@ -134,7 +136,7 @@ static double *pack_weights(const packing *p, double *to) {
     return to;
 }
 
-/* product[channel] *= the plane at (x, y), bilinear. */
+/* Multiplies product[channel] by the plane's bilinear value at (x, y). */
 static void multiply_plane(const double *plane, int columns, int channels, place x, place y, double *product) {
     const double *a = plane + ((size_t)y.node * (size_t)columns + (size_t)x.node) * (size_t)channels;
     const double *b = a + (size_t)columns * (size_t)channels;
@@ -144,7 +146,7 @@ static void multiply_plane(const double *plane, int columns, int channels, place
     }
 }
 
-/* The space planes' products of one level, into all records. */
+/* Writes the products of one level's space planes into all records. */
 static tides_status pack_space(const packing *p, int level, double *records, tides_error *error) {
     static const int axes[3][2] = {{0, 1}, {0, 2}, {1, 2}};
     for (int plane = 0; plane < 3; plane++) {

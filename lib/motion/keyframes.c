@@ -1,11 +1,11 @@
-/* Keyframes as data: checks, and the numbers of kernels/motion_keyframes.h.
+/* Keyframes: checks their arrays, and packs numbers for the kernel.
  *
- * Fields: time (T x 2) [tau], each the sum of two floats (so that no digit of a double that matters is lost), mean (T x N x 3),
- * mean_rest (T x N x 3; absent: 0), what is missing from those where they were doubles,
- * quaternion (T x N x 4), and where they change: log_scale (T x N x 3), opacity_logit (T x N), sh (T x N x K x 3). Setting
- * catmull_rom: 1 for slopes of Catmull and Rom instead of a C2 spline's; plain_colour.
+ * Fields: time (T x 2) [tau], each the sum of two floats, which keeps a double's digits; mean (T x N x 3), and mean_rest (T x
+ * N x 3; absent: 0), what the floats lack if means were doubles; quaternion (T x N x 4). If they change: log_scale (T x N x
+ * 3), opacity_logit (T x N), sh (T x N x K x 3). Settings: catmull_rom 1 for slopes by Catmull and Rom instead of a C2
+ * spline's; plain_colour.
  *
- * Quaternions are normalised, and their signs chosen so that each is near the one before. */
+ * Quaternions are normalised, with the sign that is nearer to the frame before. */
 #include "td_keyframes.h"
 
 #include "camera/td_curve.h"
@@ -46,7 +46,7 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
 
 /* -- slopes --------------------------------------------------------------------------------------------------------- */
 
-/* Slopes of the C2 spline, TD_CURVE_WIDTH channels at a time; `knots` (T) is scratch. */
+/* Slopes of the C2 spline, for TD_CURVE_WIDTH channels at a time; `knots` (T) is scratch. */
 static tides_status spline_slopes(const td_keyframes *keys, const double *value, double *slope, td_knot *knots,
                                   tides_error *error) {
     for (int first = 0; first < keys->channels; first += TD_CURVE_WIDTH) {
@@ -70,7 +70,7 @@ static tides_status spline_slopes(const td_keyframes *keys, const double *value,
 
 /* -- class ---------------------------------------------------------------------------------------------------------- */
 
-/* Every Gaussian's channels and slopes into the frames' rows. */
+/* Writes every Gaussian's channels and slopes into the frames' rows. */
 static tides_status pack_frames(const tides_motion *motion, const td_keyframes *keys, double *rows, tides_error *error) {
     size_t size = (size_t)(keys->frames * keys->channels);
     double *value = td_alloc(size, sizeof *value, error), *slope = td_alloc(size, sizeof *slope, error);
@@ -119,7 +119,7 @@ static tides_status pack(const tides_motion *motion, const tides_gaussians *gaus
     return pack_frames(motion, &keys, numbers->data + keys.gaussians * TD_KEYFRAMES_REST, error);
 }
 
-/* The interval that holds tau: at a frame the one that begins there, or ends there for side -1 (rates agree). */
+/* Finds the interval that holds tau. At a frame it is the one that begins there, or with side -1 the one that ends there. */
 static void moment(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]) {
     const td_field *time = td_motion_field(motion, "time");
     td_keyframes keys = {.time = time, .frames = (int64_t)time->shape[0]};
@@ -135,8 +135,8 @@ static void moment(const tides_motion *motion, double tau, int side, double real
     real[TD_KEYFRAMES_WEIGHT_DOT + 2] = u * (3 * u - 2);
 }
 
-/* Means in double have been rounded twice, here to 48 bits and among the Gaussians to an origin: they are their own within
- * that, and the same in all frames. */
+/* 1 if a mean is the same in all frames, and equals the Gaussian's own. Means in double were rounded twice, here to 48 bits
+ * and in the Gaussians relative to an origin, so the equality is up to that. */
 static int means_rest(const td_keyframes *keys, const float *own, int64_t gaussian) {
     for (int64_t frame = 0; frame < keys->frames; frame++)
         for (int axis = 0; axis < 3; axis++) {
@@ -148,7 +148,7 @@ static int means_rest(const td_keyframes *keys, const float *own, int64_t gaussi
     return 1;
 }
 
-/* A Gaussian rests if every frame holds its own numbers. */
+/* A Gaussian rests if every frame has its own parameters. */
 static void find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving) {
     const float *const own[TD_KEYS_PARTS] = {gaussians->mean, gaussians->quaternion, gaussians->log_scale,
                                              gaussians->opacity_logit, gaussians->sh};
@@ -175,7 +175,7 @@ const td_motion_class td_keyframes_class = {.name = "keyframes",
                                             .find_resting = td_keyframes_find_resting,
                                             .find_moving = find_moving};
 
-/* Each time as the sum of two floats. */
+/* Stores each time as the sum of two floats. */
 static tides_status add_times(tides_motion *made, const tides_keyframes_motion *arrays, tides_error *error) {
     const uint64_t shape[2] = {(uint64_t)arrays->frames, 2};
     float *pair = td_alloc((size_t)arrays->frames, 2 * sizeof *pair, error);
@@ -192,7 +192,7 @@ static tides_status add_times(tides_motion *made, const tides_keyframes_motion *
     return check_times(made, &keys, error);
 }
 
-/* Means in double as single precision and what that leaves out. */
+/* Stores means in double as floats and the remainder. */
 static tides_status add_means(tides_motion *made, const uint64_t *shape, const double *mean, tides_error *error) {
     const size_t count = (size_t)(shape[0] * shape[1] * shape[2]);
     float *nearest = td_alloc(count, sizeof *nearest, error), *rest = td_alloc(count, sizeof *rest, error);
@@ -203,7 +203,7 @@ static tides_status add_means(tides_motion *made, const uint64_t *shape, const d
         return status;
     }
     for (size_t i = 0; i < count; i++) {
-        nearest[i] = fabs(mean[i]) <= FLT_MAX ? (float)mean[i] : NAN; /* refused below */
+        nearest[i] = fabs(mean[i]) <= FLT_MAX ? (float)mean[i] : NAN; /* NaN is refused below */
         rest[i] = (float)(mean[i] - nearest[i]);
     }
     status = td_motion_take_field(made, "mean", 3, shape, nearest, error);

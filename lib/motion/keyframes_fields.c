@@ -1,5 +1,5 @@
-/* The arrays of keyframes as a motion has them, and one Gaussian's values of all channels over frames, with the slopes of
- * Catmull and Rom. */
+/* Reads keyframes from a motion's fields: a Gaussian's values in all channels over frames, and their slopes by Catmull and
+ * Rom. */
 #include "td_keyframes.h"
 
 #include <math.h>
@@ -63,8 +63,8 @@ void td_keyframes_gather(const td_keyframes *keys, td_key_range range, int64_t g
     }
 }
 
-/* Slopes of Catmull and Rom: through the frames on both sides. An end has half the slope of its interval, as if the end's frame
- * stood there twice. */
+/* Slopes by Catmull and Rom, through the neighbouring frames. At an end the slope is half of the interval's, as if that frame
+ * came twice. */
 void td_keyframes_differences(const td_keyframes *keys, td_key_range range, const double *value, double *slope) {
     for (int64_t i = 0; i < range.count; i++) {
         int64_t before = i > 0 ? i - 1 : i, after = i + 1 < range.count ? i + 1 : i;

@@ -1,5 +1,5 @@
-/* On what scale of time keyframes move Gaussians: that of the frames, unless they are denser than a Gaussian needs. Frames of a
- * slow motion at 1 kHz are no reason to look a thousand times a second; a lamp's are. */
+/* The scale of time on which keyframes move Gaussians. It is the distance of frames, unless fewer frames would do: a slow
+ * motion in frames at 1 kHz needs no samples at 1 kHz, but a flickering lamp does. */
 #include "td_keyframes.h"
 
 #include "td_math.h"
@@ -7,12 +7,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Largest distance of frames from the cubic through others for these to be enough. It is a share of an axis' length, a rotation
- * times an axis' ratio, a scale's logarithm, and a share of an opacity or colour. As in kernels/unseen.h, samples then show
- * that there is a change. */
+/* Frames may be left out if they are nearer than this to the cubic through the others. The distance is a share of an axis's
+ * length, a rotation times the ratio of axes, a difference of a scale's logarithm, or a share of an opacity or colour.
+ * Samples then still show that something changes. */
 static const double most_off = 0.02;
 
-/* The first frame after tau. */
+/* Index of the first frame after tau. */
 static int64_t frame_after(const td_keyframes *keys, double tau) {
     int64_t low = 0, high = keys->frames;
     while (low < high) {
@@ -34,7 +34,7 @@ size_t td_keyframes_joints(const tides_motion *motion, double from, double to, d
     return count;
 }
 
-/* The shortest distance of frames around the times strictly between `from` and `to` that one is at. */
+/* The shortest distance between neighbouring frames, one of which lies strictly between `from` and `to`. */
 double td_keyframes_scale(const tides_motion *motion, double from, double to) {
     const td_field *time = td_motion_field(motion, "time");
     const td_keyframes keys = {.time = time, .frames = (int64_t)time->shape[0]};
@@ -46,7 +46,7 @@ double td_keyframes_scale(const tides_motion *motion, double from, double to) {
     return least;
 }
 
-/* Allowed distance of each channel, (channels), by the Gaussian's own axes. */
+/* Sets the allowed distance of each channel, (channels), from the Gaussian's own axes. */
 static void allow(const td_keyframes *keys, const tides_gaussians *gaussians, int64_t i, double *allowed) {
     const double own[3] = {gaussians->log_scale[3 * i], gaussians->log_scale[3 * i + 1], gaussians->log_scale[3 * i + 2]};
     double least = fmin(own[0], fmin(own[1], own[2])), most = fmax(own[0], fmax(own[1], own[2]));
@@ -56,8 +56,8 @@ static void allow(const td_keyframes *keys, const tides_gaussians *gaussians, in
         for (int k = 0; k < keys->width[p] && keys->part[p]; k++) allowed[keys->first[p] + k] = most_off * part[p];
 }
 
-/* The slope at frame `end` of the parabola through it and the next two, in direction `way`: a spline's is near it, while the
- * differences' there is half as steep. */
+/* The slope at frame `end` of the parabola through it and the next two, in direction `way`. It is near the spline's slope;
+ * that of Catmull and Rom is half as steep there. */
 static void end_slope(const td_keyframes *keys, const double *value, int64_t end, int64_t way, double *slope) {
     const int width = keys->channels;
     double h0 = td_keyframes_time(keys, end + way) - td_keyframes_time(keys, end);
@@ -69,7 +69,7 @@ static void end_slope(const td_keyframes *keys, const double *value, int64_t end
     }
 }
 
-/* 1 where frames between `from` and `to` are on the cubics through these two: all are counted from frame `first` on. */
+/* 1 if the frames between `from` and `to` are near the cubics through these two; indices count from frame `first`. */
 static int is_smooth(const td_keyframes *keys, int64_t first, const double *value, const double *slope, const double *allowed,
                      int64_t from, int64_t to) {
     const int width = keys->channels;
@@ -85,7 +85,7 @@ static int is_smooth(const td_keyframes *keys, int64_t first, const double *valu
     return 1;
 }
 
-/* The longest time that every so-manieth frame is enough for; 0 where it takes all. */
+/* The longest time step for which every n-th frame is enough; 0 if all frames are needed. */
 static double smooth_time(const td_keyframes *keys, const double *value, const double *slope, const double *allowed) {
     double smooth = 0;
     for (int64_t stride = 2; stride < keys->frames; stride *= 2) {
@@ -109,7 +109,7 @@ void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaus
     double *value = malloc(size * sizeof *value), *slope = malloc(size * sizeof *slope);
     double *allowed = malloc((size_t)keys.channels * sizeof *allowed);
     for (int64_t i = 0; i < keys.gaussians && value && slope && allowed;
-         i++) { /* without memory frames are taken as they are */
+         i++) { /* if memory is short, all frames count as needed */
         td_keyframes_gather(&keys, td_keyframes_all(&keys), i, value);
         td_keyframes_differences(&keys, td_keyframes_all(&keys), value, slope);
         if (keys.frames > 2 && td_motion_setting(motion, "catmull_rom", 0) == 0) {
@@ -124,7 +124,7 @@ void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaus
     free(allowed);
 }
 
-/* Allowed distance of the frames of a Gaussian at rest, as a share of that elsewhere: exposed frames see less of it than their
+/* A Gaussian rests if it stays within this share of the allowed distance: then exposed frames change by less than their
  * tolerance. */
 static const double off_at_rest = 0.1;
 
@@ -133,9 +133,11 @@ tides_status td_keyframes_find_resting(const tides_motion *motion, const tides_g
     td_keyframes keys;
     tides_status status = td_keyframes_fields(motion, gaussians, &keys, error);
     if (status != TIDES_OK) return status;
-    const int64_t after = frame_after(&keys, from), first = after > 0 ? after - 1 : 0; /* [from, to] lies within these, */
+    /* [from, to] lies within frames first to last */
+    const int64_t after = frame_after(&keys, from), first = after > 0 ? after - 1 : 0;
     const int64_t beyond = frame_after(&keys, to), last = beyond < keys.frames ? beyond : keys.frames - 1;
-    const int64_t begin = first > 0 ? first - 1 : 0, end = last + 1 < keys.frames ? last + 1 : last; /* and slopes see these */
+    /* slopes depend on these, too */
+    const int64_t begin = first > 0 ? first - 1 : 0, end = last + 1 < keys.frames ? last + 1 : last;
     const td_key_range range = {begin, end - begin + 1};
     const size_t size = (size_t)(range.count * keys.channels);
     double *value = td_alloc(size, sizeof *value, error), *slope = td_alloc(size, sizeof *slope, error);

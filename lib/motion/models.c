@@ -1,5 +1,4 @@
-/* Helpers for the motion classes: fields with one row per Gaussian, checked, and the numbers made from them in blocks as
- * kernels/motion.h reads them. */
+/* Helpers of the motion models: checked fields with a row per Gaussian, and blocks of numbers for the kernels. */
 #include "td_models.h"
 
 #include "td_math.h"

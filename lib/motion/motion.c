@@ -1,5 +1,4 @@
-/* Motion models as data: named arrays and settings, and the code that all classes share. A class's own code is in its own
- * file. */
+/* Motion models as data: named arrays and settings, with the code common to all models. */
 #include "td_motion.h"
 
 #include <float.h>
@@ -109,7 +108,8 @@ void td_motion_moment(const tides_motion *motion, double tau, double tau_dot, in
 
 tides_status td_motion_time(const tides_motion *motion, double duration_s, double time, double *tau, double *tau_dot,
                             tides_error *error) {
-    const double slack = fmax(1e-9, 4 * DBL_EPSILON * fabs(time)); /* [s] what event times resolve, or a time this late */
+    /* [s] the resolution of event times, or the rounding of such a late time */
+    const double slack = fmax(1e-9, 4 * DBL_EPSILON * fabs(time));
     if (!(time >= -slack && time <= duration_s + slack))
         return td_fail(error, TIDES_OUT_OF_RANGE,
                        "%.15g s is outside the motion's time, 0 to %.15g s; change the time, or scene.duration_s", time,

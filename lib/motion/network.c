@@ -1,5 +1,4 @@
-/* Deformable-3DGS's network as data: what there must be, and its inputs at a time. Packing is network_pack.c's, arithmetic
- * kernels/motion_network.h's. */
+/* Deformable-3DGS's network: checks its arrays, and computes the inputs that depend on the time only. */
 #include "td_network.h"
 
 #include "td_dense.h"
@@ -14,9 +13,10 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
     return td_network_measure(motion, &network, error);
 }
 
-/* -- the time ------------------------------------------------------------------------------------------------------- */
+/* -- inputs from the time
+ * ------------------------------------------------------------------------------------------------------- */
 
-/* (value, rate) of row `row` of a layer. */
+/* Adds the (value, rate) of row `row` of a layer. */
 static void apply_row(const td_field *weight, const td_field *bias, int row, const double *value, const double *rate,
                       double *sum, double *sum_dot) {
     const float *w = weight->value + (size_t)row * weight->shape[1];
@@ -28,7 +28,7 @@ static void apply_row(const td_field *weight, const td_field *bias, int row, con
     }
 }
 
-/* The network over the time: Linear, ReLU, Linear. */
+/* Applies the small network over the time: Linear, ReLU, Linear. */
 static void apply_time_network(const tides_motion *motion, const double *value, const double *rate, int outputs, double *to) {
     double hidden[TD_TIME_WIDTH_MAX] = {0}, hidden_dot[TD_TIME_WIDTH_MAX] = {0};
     const td_field *weight = td_motion_field(motion, "timenet.0.weight"), *bias = td_motion_field(motion, "timenet.0.bias");
@@ -43,7 +43,7 @@ static void apply_time_network(const tides_motion *motion, const double *value, 
 static void moment(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]) {
     double value[1 + 2 * TD_OCTAVES_MAX] = {0}, rate[1 + 2 * TD_OCTAVES_MAX] = {0}, *to = real + TD_MOMENT_OWN;
     const td_field *small = td_motion_field(motion, "timenet.0.weight");
-    (void)side; /* smooth but for ReLUs */
+    (void)side; /* rates jump only where a ReLU switches */
     if (small) {
         td_network_embed(&tau, 1, (int)(small->shape[1] - 1) / 2, value, rate);
         apply_time_network(motion, value, rate, (int)td_motion_field(motion, "timenet.2.weight")->shape[0], to);
@@ -54,7 +54,7 @@ static void moment(const tides_motion *motion, double tau, int side, double real
     td_network_embed(&tau, 1, (times - 1) / 2, to, to + times);
 }
 
-/* The period of the fastest sine of the time: its value and rate at three times of it show what it does. */
+/* The period of the fastest sine of the time: with values and rates at three times of a period, its course is known. */
 static double scale(const tides_motion *motion, double from, double to) {
     td_network network;
     (void)from, (void)to;

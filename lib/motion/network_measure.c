@@ -1,4 +1,4 @@
-/* Sizes of Deformable-3DGS's network, found in its arrays: what there must be; and the octaves of its inputs. */
+/* Finds the sizes of Deformable-3DGS's network from its arrays, checks that all exist, and computes sines of its inputs. */
 #include "td_network.h"
 
 #include "td_dense.h"
@@ -17,7 +17,8 @@ static tides_status refuse(const char *what, long long count, int limit, tides_e
     return td_fail(error, TIDES_BAD_FILE, "network motion: %s: %lld, must be 1 to %d", what, count, limit);
 }
 
-/* The inputs that come from the time: all of layer 0's that aren't the mean's. With a timenet, its outputs. */
+/* Finds the number of inputs from the time: those of layer 0 that aren't from the mean. With a timenet, they are its
+ * outputs. */
 static tides_status measure_times(const tides_motion *motion, td_network *network, tides_error *error) {
     const td_field *weight = NULL, *bias = NULL;
     if (network->times < 1 || network->times > TD_NETWORK_TIMES_MAX)
@@ -62,7 +63,7 @@ static tides_status measure_first(const tides_motion *motion, td_network *networ
     return measure_times(motion, network, error);
 }
 
-/* Layers of width x width, one of which may have the inputs before the hidden values. */
+/* Measures the layers: width x width; one of them may have the inputs in front of the hidden values. */
 static tides_status measure_layers(const tides_motion *motion, td_network *network, tides_error *error) {
     const td_field *weight = NULL, *bias = NULL;
     uint64_t width = (uint64_t)network->width, all = width + (uint64_t)(network->positions + network->times);

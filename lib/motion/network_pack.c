@@ -1,4 +1,4 @@
-/* Deformable-3DGS's network as numbers for kernels/motion_network.h. */
+/* Packs Deformable-3DGS's network into the array of numbers that its kernel reads. */
 #include "td_network.h"
 
 #include "td_dense.h"
@@ -18,7 +18,8 @@ static size_t weights_size(const td_network *network, int width) {
 
 static double *pack_layer(const tides_motion *motion, const char *name, int inputs, int outputs, double *to) {
     td_dense_layer layer = {NULL, NULL, 0, NULL, inputs, outputs};
-    if (td_dense_fields(motion, name, 0, 0, &layer.weight, &layer.bias, NULL) != TIDES_OK) return to; /* measured: there */
+    /* can't fail: measured before */
+    if (td_dense_fields(motion, name, 0, 0, &layer.weight, &layer.bias, NULL) != TIDES_OK) return to;
     layer.rows = (int)layer.weight->shape[0];
     return td_dense_pack(&layer, to);
 }
@@ -35,12 +36,13 @@ static void pack_weights(const tides_motion *motion, const td_network *network, 
         to = pack_layer(motion, *head, width, TD_DENSE_BLOCK, to);
 }
 
-/* Opacity and canonical scale and rotation don't change: activated here, in double. */
+/* Packs a Gaussian. Opacity and the canonical scale and rotation don't change with time, so they are activated here, in
+ * double. */
 static void pack_record(const tides_gaussians *from, int64_t g, int octaves, double *record) {
     double sum = 0, mean[3];
     for (int i = 0; i < 3; i++) {
         record[TD_NETWORK_MEAN + i] = from->mean[3 * g + i];
-        mean[i] = from->origin[i] + from->mean[3 * g + i]; /* as it was trained */
+        mean[i] = from->origin[i] + from->mean[3 * g + i]; /* in the trainer's frame */
         record[TD_NETWORK_SCALE + i] = td_exp((double)from->log_scale[3 * g + i]);
     }
     for (int i = 0; i < 4; i++) sum += (double)from->quaternion[4 * g + i] * from->quaternion[4 * g + i];

@@ -1,4 +1,4 @@
-/* SpacetimeGaussians as data: checks, and the numbers of kernels/motion_polynomial.h. */
+/* SpacetimeGaussians: checks the arrays, and packs numbers for the kernel. */
 #include "td_models.h"
 
 #include "kernels/motion_polynomial.h"
@@ -29,7 +29,7 @@ static tides_status find_fields(const tides_motion *motion, int64_t count, polyn
     return status;
 }
 
-/* The decoder's arrays, where the setting says that there is one. */
+/* Checks the decoder's arrays, if the settings say that there is a decoder. */
 static tides_status check_decoder(const tides_motion *motion, tides_error *error) {
     const uint64_t first[2] = {6, 12}, second[2] = {3, 6};
     const td_field *field = NULL;
@@ -95,7 +95,8 @@ static int all_zero(const td_field *field, int64_t row, int width) {
     return 1;
 }
 
-/* A Gaussian rests if nothing drives it and its bell is so wide that opacity keeps single precision's last bit throughout. */
+/* A Gaussian rests if it has no rates, and its opacity over time is so wide that it changes by less than single precision's
+ * last bit. */
 static void find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving) {
     const double unseen = ldexp(1, -25);
     polynomial_fields fields;
@@ -109,7 +110,8 @@ static void find_moving(const tides_motion *motion, const tides_gaussians *gauss
     }
 }
 
-/* A quaternion on a line turns fastest where it is nearest to zero, by 2 |q_dot| / |q|: the time of half a radian. */
+/* Time in which a quaternion on a line turns by half a radian at its fastest. It turns fastest where it is nearest to zero,
+ * at 2 |q_dot| / |q|. */
 static double turning_time(const float q[4], const float q_dot[4]) {
     double along = 0, speed = 0, nearest = 0;
     for (int k = 0; k < 4; k++) {
@@ -124,7 +126,7 @@ static double turning_time(const float q[4], const float q_dot[4]) {
     return 0.25 * sqrt(nearest / speed);
 }
 
-/* Means are cubics, which sweeps follow as they are. */
+/* Scales of time from opacity and rotation. Means are cubics, which sweeps follow exactly. */
 static void scales(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales) {
     polynomial_fields fields;
     int found = find_fields(motion, gaussians->count, &fields, NULL) == TIDES_OK;
@@ -145,7 +147,7 @@ const td_motion_class td_polynomial_class = {.name = "polynomial",
                                              .scales = scales,
                                              .find_moving = find_moving};
 
-/* The full model's nine features and its decoder. */
+/* Adds the full model's nine features and its decoder. */
 static tides_status add_decoder(tides_motion *made, const tides_polynomial_motion *arrays, tides_error *error) {
     const uint64_t first[2] = {6, 12}, second[2] = {3, 6};
     if (arrays->decoder < TIDES_DECODER_SIGMOID || arrays->decoder > TIDES_DECODER_PLAIN)

@@ -1,12 +1,14 @@
-/* 4-D Gaussians as data: checks, and the numbers of kernels/motion_rotor.h.
+/* 4-D Gaussians (4d-gaussian-splatting): checks the arrays, and packs numbers for the kernel.
  *
- * Fields: centre (N) [tau], log_scale_time (N), quaternion_right (N x 4; absent: Gaussians that don't tilt in time) and
- * sh_harmonic (N x harmonics x K x 3; absent: colours that don't change). Settings: period [tau], time_prefilter [tau^2].
+ * Fields: centre (N) [tau], log_scale_time (N), quaternion_right (N x 4; absent: space and time don't mix, so Gaussians don't
+ * move) and sh_harmonic (N x harmonics x K x 3; absent: colours don't change). Settings: period [tau], time_prefilter
+ * [tau^2].
  *
- * In four dimensions (x y z t) a Gaussian's factor is L = R diag(s), covariance L L^T, with R from two unit quaternions. Given
- * the time, the covariance is A (I - n n^T) A^T for the rows A of space and the unit vector n along the row of time l: the
- * part of A that is normal to n. So A times a basis of what is normal to n is its factor, without the cancellation that
- * S11 - S12 S12^T / S44 has. A Householder reflection that takes n to the last axis holds such a basis. */
+ * In four dimensions (x y z t) a Gaussian has the factor L = R diag(s) and the covariance L L^T, with R from two unit
+ * quaternions. A are the rows of L for space, l its row for time, and n the unit vector along l. At a given time the
+ * covariance is A (I - n n^T) A^T: only the part of A normal to n counts. So its factor is A times a basis normal to n. That
+ * avoids the cancellation in S11 - S12 S12^T / S44. Such a basis comes from a Householder reflection that maps n to the last
+ * axis. */
 #include "td_models.h"
 
 #include "kernels/motion_rotor.h"
@@ -15,7 +17,7 @@
 #include <math.h>
 #include <string.h>
 
-/* As tides_rotor_motion says. */
+/* Largest number of harmonics, as in tides_rotor_motion. */
 enum { HARMONICS_MOST = 4 };
 static const double PI = 3.14159265358979323846;
 
@@ -42,7 +44,7 @@ static tides_status find_fields(const tides_motion *motion, const tides_gaussian
 
 /* -- geometry ------------------------------------------------------------------------------------------------------- */
 
-/* 1 where it has a direction. */
+/* Normalises a quaternion; 0 if it has no direction. */
 static int unit_quaternion(const float raw[4], double q[4]) {
     double norm = 0;
     for (int i = 0; i < 4; i++) norm += (double)raw[i] * raw[i];
@@ -51,7 +53,7 @@ static int unit_quaternion(const float raw[4], double q[4]) {
     return norm > 0;
 }
 
-/* R in order x y z t: the product of the left and right quaternions' matrices, both axes reversed. */
+/* R in the order x y z t: the product of the matrices of the left and the right quaternion, with both axes reversed. */
 static void rotation_4d(const double l[4], const double r[4], double out[4][4]) {
     const double left[4][4] = {{l[0], -l[1], -l[2], -l[3]},
                                {l[1], l[0], -l[3], l[2]},
@@ -69,7 +71,7 @@ static void rotation_4d(const double l[4], const double r[4], double out[4][4]) 
         }
 }
 
-/* A reflection: its first three columns are normal to the unit vector n. */
+/* A reflection whose first three columns are normal to the unit vector n. */
 static void reflection_of(const double n[4], double h[4][4]) {
     double v[4] = {n[0], n[1], n[2], n[3] + (n[3] < 0 ? -1 : 1)}, square = 0; /* never near 0 */
     for (int i = 0; i < 4; i++) square += v[i] * v[i];
@@ -77,7 +79,7 @@ static void reflection_of(const double n[4], double h[4][4]) {
         for (int j = 0; j < 4; j++) h[i][j] = (i == j) - 2 * v[i] * v[j] / square;
 }
 
-/* Velocity, factor and variance in time of a Gaussian that tilts in time. */
+/* Velocity, factor and variance in time of a Gaussian whose axes mix space and time. */
 static void slice(const double l[4], const double r[4], const double scale[4], double *row, double *variance) {
     double factor[4][4], h[4][4], n[4], length;
     rotation_4d(l, r, factor);
@@ -100,7 +102,7 @@ static void slice(const double l[4], const double r[4], const double scale[4], d
     }
 }
 
-/* Factor and variance in time of a Gaussian that doesn't tilt in time: its scale in time is the variance itself, as in the
+/* Factor and variance in time of a Gaussian without such mixing. Its scale in time is used as the variance, as in the
  * method's code. */
 static void stand(const double q[4], const double scale[4], double *row, double *variance) {
     double w = q[0], x = q[1], y = q[2], z = q[3];
@@ -111,7 +113,7 @@ static void stand(const double q[4], const double scale[4], double *row, double 
     *variance = scale[3];
 }
 
-/* A Gaussian's numbers but for its colour. */
+/* Computes a Gaussian's numbers except its colour. */
 static tides_status pack_geometry(const tides_motion *motion, const rotor_fields *fields, const tides_gaussians *gaussians,
                                   int64_t i, double row[TD_ROTOR_TURN], tides_error *error) {
     double l[4], r[4], scale[4], variance, prefilter = td_motion_setting(motion, "time_prefilter", 0);
@@ -128,7 +130,7 @@ static tides_status pack_geometry(const tides_motion *motion, const rotor_fields
     row[TD_ROTOR_CENTRE] = fields->centre->value[i];
     if (fine) row[TD_ROTOR_NARROWNESS] = 1 / sqrt(2 * (variance + (prefilter > 0 ? prefilter : 0)));
     row[TD_ROTOR_OPACITY] = td_sigmoid(gaussians->opacity_logit[i]);
-    /* Squares of these are taken in single precision. */
+    /* The kernel squares these in single precision. */
     for (int k = 0; k < TD_ROTOR_TURN; k++) fine = fine && fabs(row[k]) < 1e18;
     if (fine) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE,
@@ -205,8 +207,8 @@ static int colour_rests(const rotor_fields *fields, int64_t i) {
     return 1;
 }
 
-/* A Gaussian rests if it drifts less than single precision can tell, its colour rests, and its bell is so wide that opacity
- * keeps single precision's last bit throughout. */
+/* A Gaussian rests if it drifts by less than single precision resolves, its colour rests, and its opacity over time is so
+ * wide that it changes by less than the last bit. */
 static void find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving) {
     const double unseen = ldexp(1, -25);
     rotor_fields fields;
@@ -222,7 +224,7 @@ static void find_moving(const tides_motion *motion, const tides_gaussians *gauss
     }
 }
 
-/* The bell of opacity, and the highest harmonic's period. */
+/* Scales of time from the width of opacity and the period of the highest harmonic. */
 static void scales(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales) {
     rotor_fields fields;
     double row[TD_ROTOR_TURN];

@@ -1,4 +1,5 @@
-/* Rows of moving Gaussians in double, on the host: what never changes over a run, what a callback gives, and what tests ask. */
+/* Rows of moving Gaussians on the host, in double: for Gaussians that rest in spite of a motion, for callbacks, and for
+ * tests. */
 #include "td_motion.h"
 
 #include "kernels/movers.h"

@@ -1,7 +1,7 @@
-/* Internal: motion models. A tides_motion is what a method trained, as named arrays and settings, so that one reader and one
- * writer (scene_hdf5) serve all models; its class turns that into the numbers that kernels/motion_NAME.h reads.
+/* Internal: motion models. A tides_motion holds what a method trained, as named arrays and settings, so one reader and one
+ * writer of scene files serve all models. Its class packs these into the numbers that the model's kernel reads.
  *
- * Time: each model has its own time tau in [start, stop] (frames, [0, 1], seconds); the scene maps seconds to it
+ * Each model has its own time tau in [start, stop] (frames, [0, 1], seconds), to which the scene maps seconds
  * (scene.duration_s). Compiled in double. */
 #ifndef TD_MOTION_CLASS_H
 #define TD_MOTION_CLASS_H
@@ -15,13 +15,13 @@
 #include "tides/motion.h"
 #include "tides/scene.h"
 
-/* Setting of motions whose method doesn't clamp colour at 0 (SpacetimeGaussians, Dynamic3DGaussians). */
+/* Setting of methods that don't clamp colours at 0 (SpacetimeGaussians, Dynamic3DGaussians). */
 #define TD_PLAIN_COLOUR "plain_colour"
 
-/* A HexPlane's grids have four dimensions; no model comes near so many arrays or settings. */
+/* Limits. A HexPlane's grids have four dimensions; no model has nearly as many arrays or settings. */
 enum { TD_FIELD_RANK_MAX = 4, TD_FIELDS_MAX = 128, TD_SETTINGS_MAX = 48 };
 
-/* A named array of a model; float32 as trained, finite. */
+/* A named array of a model: finite float32 values, as trained. */
 typedef struct td_field {
     char name[64];
     int rank;
@@ -35,14 +35,14 @@ typedef struct td_setting {
     double value;
 } td_setting;
 
-/* A motion's numbers for the backends, made once per renderer. */
+/* A motion's numbers for backends, computed once per renderer. */
 typedef struct td_mover_numbers {
     double real[TD_MOVER_REALS];
     int own[TD_MOVER_INTS];
     int moves_sh;
     double *data; /* owned (td_mover_release); narrowed to float on a device */
     size_t data_count;
-    char defines[256]; /* "#define TD_BUILD_WIDTH 64\n": sizes that the model's kernel is compiled with; may be "" */
+    char defines[256]; /* sizes for compiling the kernel, "#define TD_BUILD_WIDTH 64\n"; may be "" */
 } td_mover_numbers;
 
 /* Rows that are asked for: Gaussians index[0 .. count) at own time tau. */
@@ -54,7 +54,7 @@ typedef struct td_motion_asked {
     int64_t count;
 } td_motion_asked;
 
-/* The place of those rows. SH only where the model moves it: else both may be NULL. */
+/* Targets of rows. SH may be NULL unless the model changes them. */
 typedef struct td_motion_sink {
     double *geometry, *rates; /* (count x TD_GEOMETRY_STRIDE) */
     double *sh, *sh_rates;    /* (count x sh_stride), 3 k + channel */
@@ -62,104 +62,104 @@ typedef struct td_motion_sink {
 } td_motion_sink;
 
 typedef struct td_motion_class {
-    const char *name; /* in files and facts: "polynomial" */
+    const char *name; /* in files and facts, such as "polynomial" */
     int code;         /* TD_MOTION_... */
-    int expensive;    /* 1: rows cost several times what interpolating between others does (measured by bench_motion) */
+    int expensive;    /* 1: a row costs several times as much as interpolating one (measured by bench_motion) */
 
-    /* Whether fields and settings are there, of the right shapes, for `gaussians` (canonical, raw). */
+    /* Checks that fields and settings exist and have shapes that fit `gaussians` (canonical, raw). */
     tides_status (*check)(const tides_motion *motion, const tides_gaussians *gaussians, tides_error *error);
 
-    /* The numbers for kernels; `image_fades` is td_mover.fades. */
+    /* Computes the numbers for kernels. */
     tides_status (*pack)(const tides_motion *motion, const tides_gaussians *gaussians, td_mover_numbers *numbers,
                          tides_error *error);
 
-    /* Fills real[TD_MOMENT_OWN ..] at own time tau; `side` -1 asks for the rates of what ends at tau, +1 of what begins there.
-     * May be NULL. */
+    /* Fills real[TD_MOMENT_OWN ..] at own time tau. At a jump of rates, `side` -1 selects the rates before tau, +1 those
+     * after it. May be NULL. */
     void (*moment)(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]);
 
-    /* Own times strictly within (start, stop) where rates may jump, ascending; returns how many there are, writes at most
-     * `capacity`. NULL: the motion is smooth. */
+    /* Lists knots: own times strictly within (start, stop) where rates may jump, ascending. Returns their number, and writes
+     * at most `capacity`. NULL: the motion is smooth. */
     size_t (*knots)(const tides_motion *motion, double *tau, size_t capacity);
 
-    /* Own times strictly within (from, to), ascending, where the curves that Gaussians follow are joined: rates go on, but not
-     * as the same polynomial. How many there are; writes at most `capacity`. NULL: nowhere, or at the knots. */
+    /* Lists own times strictly within (from, to), ascending, where two polynomials of a Gaussian's path are joined, though
+     * rates are continuous. Returns their number, and writes at most `capacity`. NULL: there are none but the knots. */
     size_t (*joints)(const tides_motion *motion, double from, double to, double *tau, size_t capacity);
 
-    /* Own time over which values and rates at the start, the middle and the end show what happens to all Gaussians between
-     * `from` and `to`; INFINITY: they do anyway. NULL: that of the knots. */
+    /* Scale of own time for all Gaussians between `from` and `to`: on intervals so long, values and rates at start, middle
+     * and end show all that happens. INFINITY: on any interval. NULL: the scale is the distance of knots. */
     double (*scale)(const tides_motion *motion, double from, double to);
 
-    /* The scales of single Gaussians (gaussians->count); where there is a `scale` too, asked for when that is shorter than an
-     * interval. NULL: there's none but that of all. */
+    /* The scales of single Gaussians (gaussians->count). If there is also a `scale`, this is called only when that is shorter
+     * than an interval. NULL: only the common scale is known. */
     void (*scales)(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales);
 
-    /* rests[i] = 1 where Gaussian i (gaussians->count) is known to do nothing on its shortest scale between `from` and `to`.
-     * NULL: nothing is known. TIDES_NO_MEMORY. */
+    /* Sets rests[i] = 1 if Gaussian i (gaussians->count) is known not to change on its shortest scale between `from` and
+     * `to`. NULL: nothing is known. TIDES_NO_MEMORY. */
     tides_status (*find_resting)(const tides_motion *motion, const tides_gaussians *gaussians, double from, double to,
                                  uint8_t *rests, tides_error *error);
 
-    /* moving[i] = 0 where Gaussian i is the same at all times. NULL: all move. */
+    /* Sets moving[i] = 0 if Gaussian i is the same at all times. NULL: all move. */
     void (*find_moving)(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving);
 
-    /* TD_MOTION_HOST only: the rows that are asked for; rates per unit of tau. */
+    /* For TD_MOTION_HOST only: computes the rows that are asked for, with rates per unit of tau. */
     tides_status (*evaluate)(const tides_motion *motion, const tides_gaussians *gaussians, const td_motion_asked *asked,
                              const td_motion_sink *to, tides_error *error);
 
-    /* Frees `own`; NULL where there is none. */
+    /* Frees `own`; NULL if the class has none. */
     void (*release)(tides_motion *motion);
 } td_motion_class;
 
 struct tides_motion {
     const td_motion_class *type;
-    double start, stop; /* own time */
+    double start, stop; /* in own time */
     td_field field[TD_FIELDS_MAX];
     int fields;
     td_setting setting[TD_SETTINGS_MAX];
     int settings;
-    void *own; /* the class's */
+    void *own; /* data of the class */
 };
 
-/* -- motion.c -- */
+/* -- motions -- */
 
-/* An empty motion of a class over own time [start, stop], start < stop. */
+/* Makes an empty motion of a class, over own time [start, stop], start < stop. */
 tides_status td_motion_create(const td_motion_class *type, double start, double stop, tides_motion **motion,
                               tides_error *error);
 
-/* Adds a field of `rank` 1..4, taking over `value` (malloc'd, product of shape floats) also on failure. Values that aren't
- * finite: TIDES_BAD_FILE naming the field. */
+/* Adds a field of rank 1 to 4. It takes over `value` (malloc'd, as many floats as the product of shape), also on failure.
+ * TIDES_BAD_FILE names the field if a value isn't finite. */
 tides_status td_motion_take_field(tides_motion *motion, const char *name, int rank, const uint64_t *shape, float *value,
                                   tides_error *error);
 tides_status td_motion_set(tides_motion *motion, const char *name, double value, tides_error *error);
 
-/* NULL, or `fallback`, where there is none. */
+/* A field, or a setting; NULL, or `fallback`, if it doesn't exist. */
 const td_field *td_motion_field(const tides_motion *motion, const char *name);
 double td_motion_setting(const tides_motion *motion, const char *name, double fallback);
 
-/* The field, of exactly this shape (0 in `shape` fits any extent); TIDES_BAD_FILE naming it otherwise. */
+/* Finds a field of exactly this shape (0 in `shape` fits any extent); otherwise TIDES_BAD_FILE names it. */
 tides_status td_motion_need_field(const tides_motion *motion, const char *name, int rank, const uint64_t *shape,
                                   const td_field **field, tides_error *error);
 
-/* The moment at own time tau, with d(tau)/dt. Reals beyond single precision's: moment[1] holds what is missing from
- * (float)tau, also for the reference. */
+/* Computes the moment at own time tau, with d(tau)/dt. moment[1] is tau - (float)tau, which single precision needs; the
+ * reference uses both, too. */
 void td_motion_moment(const tides_motion *motion, double tau, double tau_dot, int side, double real[TD_MOMENT_REALS]);
 
 void td_mover_release(td_mover_numbers *numbers);
 
-/* Own time of scene second `time` where [start, stop] lasts duration_s seconds: exact at both ends, and a nanosecond (or the
- * rounding of times so late) beyond them is the end. TIDES_OUT_OF_RANGE naming scene.duration_s further out. */
+/* Own time at scene second `time`, if [start, stop] lasts duration_s seconds. Both ends are exact; up to a nanosecond (or the
+ * rounding of such late times) beyond an end counts as the end. Farther out, TIDES_OUT_OF_RANGE names scene.duration_s. */
 tides_status td_motion_time(const tides_motion *motion, double duration_s, double time, double *tau, double *tau_dot,
                             tides_error *error);
 
-/* moving[i] = 0 where Gaussian i is the same at all times. */
+/* Sets moving[i] = 0 if Gaussian i is the same at all times. */
 void td_motion_find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving);
 
-/* -- rows.c -- */
+/* -- rows -- */
 
-/* The rows in double, rates per second. `numbers` from the class's pack. */
+/* Computes rows in double, with rates per second. `numbers` come from the class's pack. */
 tides_status td_motion_rows(const tides_motion *motion, const tides_gaussians *gaussians, const td_mover_numbers *numbers,
                             const td_motion_asked *asked, const td_motion_sink *to, tides_error *error);
 
-/* The class of a name from a file, or NULL (classes.c: one line per model). */
+/* The class of this name, or NULL. */
 const td_motion_class *td_motion_class_find(const char *name);
 
 #endif

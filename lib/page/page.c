@@ -1,4 +1,4 @@
-/* A page from its first line to its last: which events are shown, in which order, and the facts beside them. */
+/* Writes a page of events from beginning to end: selects and orders the events, and adds facts about them. */
 #include "td_page.h"
 
 #include "signal/td_event_sort.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* 90 MB of page in a busy recording, which a browser still opens in seconds. */
+/* Default limit of events: a page of 90 MB, which browsers open in seconds. */
 enum { MOST = 10000000 };
 
 void tides_page_options_defaults(tides_page_options *options) {
@@ -19,7 +19,7 @@ void tides_page_options_defaults(tides_page_options *options) {
 
 /* -- events ---------------------------------------------------------------------------------------------------------------- */
 
-/* Writes the first of what waits, once all of it is in order. */
+/* Writes the first `count` waiting events, after sorting if needed. */
 static tides_status put_first(td_page *page, size_t count, tides_error *error) {
     tides_event *events = page->events;
     if (page->disorder) td_event_sort(events, page->scratch, page->count);
@@ -105,8 +105,7 @@ tides_status td_page_begin(td_page *page, const char *path, const tides_page_opt
 
 /* -- the end --------------------------------------------------------------------------------------------------------------- */
 
-/* Sets the stretch shown: the part of the requested stretch that lies within the recording's where that is known, else within
- * its events. */
+/* Finds the span of time to show: the requested one, limited to the recording's if that is known, otherwise to the events'. */
 static void find_stretch(td_page *page) {
     const tides_page_options *o = &page->options;
     tides_page_report *r = &page->report;
@@ -122,14 +121,14 @@ static void find_stretch(td_page *page) {
     if (r->height < o->height || r->height == 0) r->height = o->height ? o->height : 1;
 }
 
-/* 64 bits as text: a script's numbers have 53. */
+/* Adds 64 bits as text: numbers in JavaScript have 53. */
 static int add_ns(cJSON *json, const char *name, int64_t ns) {
     char text[24];
     snprintf(text, sizeof text, "%" PRId64, ns);
     return cJSON_AddStringToObject(json, name, text) != NULL;
 }
 
-/* Adds the names of the causes, unless all events are the signal's. */
+/* Adds the names of the causes, unless all events come from the signal. */
 static int add_causes(cJSON *json, const td_page *page) {
     static const char *const causes[TIDES_CAUSES] = {"signal", "leak", "shot noise", "hot pixel"};
     cJSON *names = cJSON_AddArrayToObject(json, "causes");
@@ -139,7 +138,7 @@ static int add_causes(cJSON *json, const td_page *page) {
     return ok;
 }
 
-/* NULL: out of memory. */
+/* The facts as JSON text; NULL if memory is short. */
 static char *facts_text(const td_page *page) {
     const tides_page_report *r = &page->report;
     const char *title = page->options.title ? page->options.title : "events";
@@ -156,7 +155,7 @@ static char *facts_text(const td_page *page) {
     return text;
 }
 
-/* As JSON in a script, which "</script" would end: every < goes as its code. */
+/* Writes the facts as JSON in a script element. Every < is written as its code, since "</script" would end the element. */
 static tides_status put_facts(td_page *page, tides_error *error) {
     char *text = facts_text(page);
     if (!text) return td_fail(error, TIDES_NO_MEMORY, "%s: out of memory", page->text.path);

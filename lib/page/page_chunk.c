@@ -1,15 +1,16 @@
-/* Events as a page has them, in chunks of up to TD_PAGE_CHUNK, each a line
+/* Writes the events of a page in chunks of up to TD_PAGE_CHUNK. Each chunk is a line
  *
  *   <script type="text/plain" class="events" data-count="N" data-first="T">BASE64</script>
  *
- * of zlib's deflate of the planes of bytes, lowest first, of these columns, one after the other:
+ * with zlib's deflate of the columns below, one after the other. A column is stored in planes of bytes, the lowest byte
+ * first:
  *
- *   u4  time since the event before, the first's 0 [ns]; the first is at T [ns]
+ *   u4  time since the previous event, 0 for the first [ns]; the first is at T [ns]
  *   u2  x, u2 y
  *   u1  polarity (1: ON) + 2 cause
  *   f4  depth, flow_u, flow_v; u2 instance (65535: none)    where the page has ground truth
  *
- * A chunk also ends where it would be longer than 2^32 ns. share/page/decode.js reads it. */
+ * A chunk also ends before it would span 2^32 ns. share/page/decode.js reads this. */
 #include "td_base.h"
 #include "td_page.h"
 
@@ -17,7 +18,7 @@
 #include <libdeflate.h>
 #include <string.h>
 
-/* At level 6 a demo's event is 26.6 bits before base64, at 1 it is 29.5, at 9 26.3 for twice the time. */
+/* zlib's level: on a demo an event takes 26.6 bits before base64; with level 1 it is 29.5, with 9 26.3 in twice the time. */
 enum { PLAIN_BYTES = 9, TRUTH_BYTES = 14, LEVEL = 6, NO_INSTANCE = 65535 };
 
 size_t td_page_planes_room(int32_t with_truth) {
@@ -63,7 +64,7 @@ static size_t put_planes(td_page *page, const tides_event *e, const tides_event_
     return (PLAIN_BYTES + TRUTH_BYTES) * n;
 }
 
-/* RFC 4648; how many characters. */
+/* Encodes base64 (RFC 4648); returns the number of characters. */
 static size_t to_base64(const unsigned char *bytes, size_t size, char *to) {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     char *at = to;
@@ -95,7 +96,7 @@ static tides_status put_chunk(td_page *page, const tides_event *events, const ti
     return td_text_put(&page->text, error, "</script>\n");
 }
 
-/* How many of the events lie within 2^32 ns of the first. */
+/* Number of events within 2^32 ns of the first. */
 static size_t within_reach(const tides_event *events, size_t count) {
     size_t low = 1, high = count;
     while (low < high) {

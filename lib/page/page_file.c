@@ -1,4 +1,4 @@
-/* The page of an event file: its events batch by batch, with the labels and the ground truth that lie beside them. */
+/* Writes the page of an event file: reads events in batches, with their labels and ground truth. */
 #include "events/td_event_format.h"
 #include "td_base.h"
 #include "td_folder.h"
@@ -15,8 +15,8 @@ typedef struct source {
     tides_event_reader *reader;
     tides_event_facts facts;
     tides_event *events;
-    tides_event_truth *truth;  /* NULL: the file has none */
-    int64_t first_ns, last_ns; /* of the events that were read */
+    tides_event_truth *truth;  /* NULL: none in the file */
+    int64_t first_ns, last_ns; /* of the events read so far */
 } source;
 
 static tides_status open_source(source *s, const tides_page_options *options, tides_error *error) {
@@ -42,8 +42,7 @@ static void close_source(source *s) {
     free(s->truth);
 }
 
-/* Whether any event of a block is shown: data beside the events is read for such blocks alone. Late events may come at any
- * place. */
+/* 1 if any event of a block is shown: only then its labels and truth are read. Late events may come anywhere. */
 static int any_shown(const source *s, size_t count, const tides_page_options *o) {
     for (size_t i = 0; i < count; i++)
         if (s->events[i].t >= o->start_ns && s->events[i].t < o->stop_ns) return 1;
@@ -58,7 +57,7 @@ static void add_stretch(source *s, uint64_t row, size_t count) {
     }
 }
 
-/* A page of nothing, of a recording that has something: the stretch was meant on another clock. */
+/* Fails if the requested span is empty though the recording isn't: it was meant on another clock. */
 static tides_status check_stretch(const source *s, const td_page *page, uint64_t rows, tides_error *error) {
     const tides_page_options *o = &page->options;
     if (rows == 0 || page->report.events) return TIDES_OK;
@@ -85,7 +84,7 @@ static tides_status pump(source *s, td_page *page, tides_progress progress, void
     return status == TIDES_OK ? check_stretch(s, page, row, error) : status;
 }
 
-/* Fills the options that were left open from the file. */
+/* Fills options that were left open from the file. */
 static void fill_in(td_page *page, const source *s) {
     tides_page_options *o = &page->options;
     const char *name = td_base_name(s->path);

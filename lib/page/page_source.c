@@ -1,5 +1,5 @@
-/* The page around the events: share/page, which the build puts into the library. page.html names the other files where they
- * belong, each in a line "@ FILE", and says "@ events" where the events go. */
+/* The template of the page, files of share/page that are embedded in the library. page.html includes other files by lines "@
+ * FILE", and "@ events" is the place of the events. */
 #include "device/td_kernel_source.h"
 #include "td_page.h"
 

@@ -1,11 +1,11 @@
-/* The renderer's stages on an OpenCL device: four launches for any number of (tile, time) jobs. */
+/* The renderer's stages on an OpenCL device: projection (one or two launches), sort and compositing, for any number of jobs. */
 #include "td_opencl.h"
 
 #include <stdlib.h>
 
-enum { STAGES = 3, LAUNCHES = STAGES + 1 }; /* projection may have two */
+enum { STAGES = 3, LAUNCHES = STAGES + 1 }; /* projection may take two launches */
 
-/* Which of TD_OUTPUT_KINDS; ground truth has the signal's. */
+/* Index of a kind of outputs; ground truth uses the kernels of the signal. */
 static int kind_of_outputs(int outputs) {
     static const int kinds[TD_OUTPUT_KINDS] = {TD_OUT_SIGNAL, TD_OUT_DIAGNOSTICS, TD_OUT_COLOUR, TD_OUT_LUMINANCE,
                                                TD_OUT_SIGNAL_Y};
@@ -49,7 +49,7 @@ static tides_status launch_sort(opencl_backend *b, const td_batch *batch, const 
 
 static tides_status launch_composite(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *event,
                                      tides_error *error) {
-    /* One block per group on a CPU: drivers hand out groups by the dozen, and in one tile may be most of the splats. */
+    /* One block per group on a CPU: drivers hand out many groups at once, and larger groups would leave threads idle. */
     size_t lanes = (size_t)b->device->info.lanes, local = (lanes > 1 ? TD_BLOCK_PIXELS : TD_TILE_PIXELS) / lanes;
     size_t global = (s->blended_count + local - 1) / local * local;
     cl_int asked_count = (cl_int)s->asked_count;
@@ -66,14 +66,14 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
                      TD_ARGUMENTS(arguments), event, error);
 }
 
-/* Records of all jobs, with the times of two launches. */
+/* Makes the records of all jobs; two events time the two launches. */
 static tides_status make_records(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *own, cl_event *shared,
                                  tides_error *error) {
     const tides_status status = td_opencl_share_records(b, batch, s, shared, error);
     return status == TIDES_OK ? launch_project(b, batch, own, error) : status;
 }
 
-/* All of a batch on the device, with the time of each stage; kernels are prepared. */
+/* Runs all stages of a batch, and times each. The kernels must be prepared. */
 static tides_status run_stages(opencl_backend *b, const td_batch *batch, td_staging *s, double *stage_seconds,
                                tides_error *error) {
     cl_event events[LAUNCHES] = {NULL};
@@ -85,14 +85,15 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, td_stag
         status = batch->outputs == TD_OUT_TRUTH ? td_opencl_truth(b, batch, s->asked_count, &events[2], error)
                                                 : launch_composite(b, batch, s, &events[2], error);
     if (status == TIDES_OK) status = td_opencl_fetch_batch(b, batch, s, error);
-    /* Also after a failure: what was sent still reads host memory. */
+    /* Also after a failure, since transfers may still read host memory. */
     status = td_finish(b->device, status, error);
     for (int i = 0; i < STAGES; i++) stage_seconds[i] = td_event_seconds(&events[i]);
     stage_seconds[0] += td_event_seconds(&events[STAGES]);
     return status;
 }
 
-/* One tile without candidates: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time. */
+/* Runs one tile without candidates: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's
+ * time. */
 static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) {
     static const td_job nothing = {.blocks = TD_ALL_BLOCKS};
     static const double backdrop[TD_BACKDROP_REALS] = {0};
@@ -113,7 +114,7 @@ static tides_status prepare(td_backend *backend, int outputs, tides_error *error
     int kind = kind_of_outputs(outputs);
     const int truth = outputs == TD_OUT_TRUTH;
     if (truth ? b->truth.truth_kernel != NULL : b->composite_kernel[kind] != NULL) return TIDES_OK;
-    /* Records only differ by whether there is colour: diagnostics share the projection of the signal. */
+    /* Records depend only on whether there is colour: diagnostics use the projection of the signal. */
     int record_outputs = outputs < TD_OUT_COLOUR ? TD_OUT_SIGNAL : TD_OUT_COLOUR;
     tides_status status =
         td_opencl_make_kernel(b, TD_PROJECT_KERNELS, "td_project_jobs", record_outputs, &b->project_kernel[kind], error);
@@ -200,7 +201,7 @@ static const td_backend_class opencl_class = {.sweep = td_opencl_sweep,
                                               .moved_rows = td_opencl_moved_rows,
                                               .draws = 1};
 
-/* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
+/* Copies the scene to the device. A missing array gets one float, since a kernel needs an argument for each. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {
     static const double none[1] = {0};
     size_t geometry = (size_t)store->count * TD_GEOMETRY_STRIDE, sh = (size_t)store->count * store->sh_stride;
@@ -221,7 +222,7 @@ static tides_status write_store(opencl_backend *b, const td_store *store, tides_
     return td_buffer_lend(b->device, &b->scene.sh, store->sh, sh * sizeof *store->sh, error);
 }
 
-/* The image in the device's precision: reals, then ints. */
+/* Copies the image's numbers in the device's precision: reals, then ints. */
 static tides_status write_image(opencl_backend *b, tides_error *error) {
     float reals[TD_IMAGE_REALS];
     for (int i = 0; i < TD_IMAGE_REALS; i++) reals[i] = (float)b->numbers.real[i];

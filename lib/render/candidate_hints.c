@@ -1,17 +1,18 @@
-/* Depth order that a tile's job leaves to the next of the same sweep, whose list is nearly in that order (kernels/sort.cl). */
+/* Hints of depth order: a tile's job leaves its order to the tile's next job in the same sweep, whose list is nearly in that
+ * order and so is sorted faster. */
 #include "td_renderer.h"
 
-/* States of a tile's hint in this sweep: its depth order, left by one job for the next. */
+/* State of a tile's hint in this sweep. */
 enum {
-    HINT_WANTED, /* nothing yet: the next job leaves its order */
-    HINT_ASKED,  /* a job at work leaves it */
-    HINT_THERE,
-    HINT_USED,
-    HINT_UNFIT /* orders change within a sweep, or nothing asks for a second one */
+    HINT_WANTED, /* none yet: the next job will leave its order */
+    HINT_ASKED,  /* a job that is running will leave it */
+    HINT_THERE,  /* the order is available */
+    HINT_USED,   /* a job has taken it */
+    HINT_UNFIT   /* useless: orders change within the sweep, or there is no second job */
 };
 
-/* Leaving an order costs more than it saves where it isn't found again (under a moving camera; frame by frame): tiles where
- * it wasn't are tried again only every so many sweeps, which makes a sixteenth of the cost. */
+/* Leaving an order costs more than it saves if the next list is in another order (under a moving camera, or frame by frame).
+ * A tile where that happened is tried again only every 16 sweeps, which keeps a sixteenth of the cost. */
 enum { SWEEPS_TO_RETRY = 16 };
 
 void td_candidates_renew_hints(td_candidates *candidates) {

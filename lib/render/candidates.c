@@ -1,16 +1,16 @@
-/* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort, object
- * by object: one pass over the boxes finds who touches any tile, and how long lists will be; one over those puts them there.
- * Touches are tested in vectors. A box of up to 2x2 tiles goes to its lists without a branch, since the number of tiles of a
- * box is hard to predict. */
+/* Candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. This is a counting sort,
+ * object by object: a pass over the boxes finds the touching ones and the lengths of the lists, and a second pass fills the
+ * lists. Boxes are tested in vectors. A box of up to 2x2 tiles is put into its lists without a branch, since the number of
+ * tiles is hard to predict. */
 #include "td_renderer.h"
 #include "td_wide.h"
 
 #include <limits.h>
 #include <stdlib.h>
 
-/* Tiles, or blocks, that a box touches, both ends included. */
+/* Tiles, or blocks, that a box touches; both ends are included. */
 typedef struct range {
-    uint16_t x0, y0, x1, y1; /* images have some thousand at most (camera/lens.c) */
+    uint16_t x0, y0, x1, y1; /* large enough: images are limited to 16384 px */
 } range;
 
 /* A Gaussian that touches a tile. */
@@ -19,16 +19,16 @@ struct td_touch {
     range on;
 };
 
-/* An object's Gaussians that do. */
+/* The Gaussians of one object that touch a tile. */
 struct td_touching {
-    size_t begin, end; /* of candidates->touches */
-    range on;          /* all of them */
+    size_t begin, end; /* range in candidates->touches */
+    range on;          /* tiles that they touch, together */
     int object;
 };
 
-enum { MISSING = 3 }; /* tiles that aren't there (place_each) */
+enum { MISSING = 3 }; /* tiles behind the last one, for entries that aren't wanted */
 
-/* Whole vectors of blocks, from a multiple of so many on: a store of one hands on to a load of the same. */
+/* Columns of blocks handled together, and the alignment of their vectors. */
 enum { TOGETHER = 32 };
 
 static int blocks_stride(const td_candidates *candidates) {
@@ -83,13 +83,14 @@ static tides_status fail_many(tides_error *error) {
                    INT_MAX / TD_RECORD_STRIDE);
 }
 
-/* -- who touches any tile -------------------------------------------------------------------------------------------------- */
+/* -- Gaussians that touch a tile
+ * -------------------------------------------------------------------------------------------------- */
 
-enum { LOOK = 16 * TD_PAD }; /* Gaussians looked at together */
+enum { LOOK = 16 * TD_PAD }; /* Gaussians that are tested together */
 
 typedef struct look {
-    int32_t x0[LOOK], y0[LOOK], x1[LOOK], y1[LOOK]; /* the tiles; of one that touches none, some that there are */
-    int32_t any[LOOK];                              /* 1 where it touches one */
+    int32_t x0[LOOK], y0[LOOK], x1[LOOK], y1[LOOK]; /* their tiles; valid tile numbers even for one that touches none */
+    int32_t any[LOOK];                              /* 1 if it touches a tile */
 } look;
 
 /* Finds the tiles that `count` boxes touch; `count` is a whole number of groups. A box with a NaN touches nothing. */
@@ -108,7 +109,7 @@ TD_WIDE static void look_at(const float *restrict boxes, int count, int tiles_x,
     }
 }
 
-/* Which of TD_PAD neighbours do, to the list's end. */
+/* Appends those of TD_PAD neighbours that touch a tile. */
 static void add_touches(td_candidates *candidates, const look *seen, int at, int first) {
     struct td_touch *touch = candidates->touches + candidates->touch_count;
     for (int i = at; i < at + TD_PAD; i++) {
@@ -122,7 +123,8 @@ static void add_touches(td_candidates *candidates, const look *seen, int at, int
 static void add_group(td_candidates *candidates, const td_store *store, const look *seen, int at, int first) {
     const int object = store->object[first + at];
     int32_t any = 0;
-    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): it doesn't follow that counts are multiples of TD_PAD */
+    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): the analyzer doesn't know that counts are multiples of
+     * TD_PAD */
     for (int i = at; i < at + TD_PAD; i++) any |= seen->any[i];
     if (!any) return;
     struct td_touching *touching = candidates->touching + candidates->touching_count;
@@ -135,7 +137,7 @@ static void add_group(td_candidates *candidates, const td_store *store, const lo
     candidates->touching[candidates->touching_count - 1].end = candidates->touch_count;
 }
 
-/* Gaussians [first, first + count), LOOK at most. */
+/* Finds the touching Gaussians among [first, first + count), at most LOOK. */
 static tides_status look_for(td_candidates *candidates, const td_store *store, const float *boxes, int first, int count,
                              tides_error *error) {
     look seen;
@@ -147,7 +149,7 @@ static tides_status look_for(td_candidates *candidates, const td_store *store, c
     return TIDES_OK;
 }
 
-/* Gaussians come in the store's order, and so do their groups and objects. */
+/* Finds all touching Gaussians. They come in the store's order, so groups and objects are in order, too. */
 static tides_status find_touches(td_candidates *candidates, const td_store *store, const td_boxes *boxes, tides_error *error) {
     const td_groups *groups = boxes->groups;
     const int all = groups ? groups->count : store->count / TD_PAD, most = LOOK / TD_PAD;
@@ -162,12 +164,12 @@ static tides_status find_touches(td_candidates *candidates, const td_store *stor
     return status;
 }
 
-/* -- how long lists are ---------------------------------------------------------------------------------------------------- */
+/* -- lengths of lists ---------------------------------------------------------------------------------------------------- */
 
-/* Each object's share of a tile's list begins at a multiple of TD_PAD. */
+/* Rounds up: each object's part of a tile's list begins at a multiple of TD_PAD. */
 static int padded(int end) { return (end + TD_PAD - 1) / TD_PAD * TD_PAD; }
 
-/* Marks begins and ends of boxes in `edges`, whose sums over rows and columns count the boxes of each tile. Also finds the
+/* Marks corners of boxes in `edges`, so that sums over rows and columns give the number of boxes on each tile. Also finds the
  * range of tiles. */
 static void mark_edges(td_candidates *candidates, struct td_touching *touching) {
     const int stride = candidates->tiles_x + 1;
@@ -184,7 +186,7 @@ static void mark_edges(td_candidates *candidates, struct td_touching *touching) 
     touching->on = all;
 }
 
-/* Adds an object's share to the lengths of lists, in candidates->end; `edges` is left empty, as it was found. */
+/* Adds an object's part to the lengths of lists, in candidates->end. `edges` is zeroed again. */
 static void count_object(td_candidates *candidates, struct td_touching *touching) {
     const int tiles_x = candidates->tiles_x;
     int *column = candidates->column;
@@ -203,7 +205,7 @@ static void count_object(td_candidates *candidates, struct td_touching *touching
     memset(candidates->edges + (on.y1 + 1) * (tiles_x + 1) + on.x0, 0, (size_t)(on.x1 + 2 - on.x0) * sizeof *column);
 }
 
-/* Where each list lies, and room for them. */
+/* Sets the beginning of each list, and allocates room for all. */
 static tides_status lay_lists(td_candidates *candidates, tides_error *error) {
     const int tiles = candidates->tiles_x * candidates->tiles_y;
     int64_t total = 0;
@@ -218,18 +220,19 @@ static tides_status lay_lists(td_candidates *candidates, tides_error *error) {
     return td_reserve((void **)&candidates->list, &candidates->capacity, (size_t)total + 1, sizeof *candidates->list, error);
 }
 
-/* -- who is in them -------------------------------------------------------------------------------------------------------- */
+/* -- filling the lists
+ * -------------------------------------------------------------------------------------------------------- */
 
-/* Puts a Gaussian behind a tile's last; far: how far it travels. */
+/* Appends a Gaussian to a tile's list. far: distance that it travels, in its own diameters. */
 static inline void place(td_candidates *candidates, int tile, int there, int gaussian, int moves, float far) {
     candidates->list[candidates->end[tile]] = gaussian;
     candidates->end[tile] += there;
     if (moves) candidates->travel[tile] = far > candidates->travel[tile] ? far : candidates->travel[tile];
 }
 
-/* Places the Gaussians of one object in the lists of their tiles; of moving ones it notes that they move and how far at most.
- * Entries that aren't wanted go to tiles behind the last. There are three of these, so that no counter waits for itself more
- * than once. */
+/* Puts one object's Gaussians into the lists of their tiles. For a moving object, notes that the tiles move, and how far at
+ * most. Superfluous entries go to tiles behind the last. There are three of those, so that successive stores don't wait for
+ * one counter. */
 static inline void place_each(td_candidates *candidates, const struct td_touching *touching, const float *travel, int moves) {
     const int tiles_x = candidates->tiles_x, none = tiles_x * candidates->tiles_y;
     for (size_t i = touching->begin; i < touching->end; i++) {
@@ -249,7 +252,7 @@ static inline void place_each(td_candidates *candidates, const struct td_touchin
     }
 }
 
-/* Fills each tile's list with TD_NO_GAUSSIAN up to where the next object's share begins. */
+/* Fills each tile's list with TD_NO_GAUSSIAN up to the next object's part. */
 static void fill_up(td_candidates *candidates, const range *on) {
     for (int y = on->y0; y <= on->y1; y++)
         for (int t = y * candidates->tiles_x + on->x0; t <= y * candidates->tiles_x + on->x1; t++) {
@@ -258,9 +261,9 @@ static void fill_up(td_candidates *candidates, const range *on) {
         }
 }
 
-/* -- what moves, by blocks ------------------------------------------------------------------------------------------------- */
+/* -- motion by blocks ------------------------------------------------------------------------------------------------- */
 
-/* A box that touches the blocks `on` of the TOGETHER columns from `at` on travels so far in them. */
+/* Raises the travel of the blocks of `on` in a row, in TOGETHER columns from `at` on, to `far`. */
 static inline void travel_in(float *restrict blocks, int stride, const range *on, int at, float far) {
     float here[TOGETHER];
     for (int k = 0; k < TOGETHER; k++) here[k] = ((at + k < on->x0) | (at + k > on->x1)) ? -1 : far;
@@ -270,7 +273,7 @@ static inline void travel_in(float *restrict blocks, int stride, const range *on
     }
 }
 
-/* Notes an object's travel in the blocks that its boxes touch. `blocks` (rows x stride) has the largest travel there, -1 where
+/* Notes an object's travel in the blocks that its boxes touch. `blocks` (rows x stride) holds the largest travel, -1 if
  * nothing moves. */
 TD_WIDE static void place_blocks(const struct td_touch *restrict touches, size_t count, const float *restrict boxes,
                                  const float *restrict travel, int last_x, int last_y, int stride, float *restrict blocks) {
@@ -286,7 +289,7 @@ TD_WIDE static void place_blocks(const struct td_touch *restrict touches, size_t
     }
 }
 
-/* Notes the travel of all objects that move, in the blocks of each tile. */
+/* Notes the travel of all moving objects in the blocks of each tile. */
 static void find_blocks(td_candidates *candidates, const float *boxes, const float *travel, const uint8_t *object_moves) {
     enum { SIDE = TD_TILE / TD_BLOCK };
     const int stride = blocks_stride(candidates), rows = SIDE * candidates->tiles_y;

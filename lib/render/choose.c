@@ -1,4 +1,4 @@
-/* Points to follow: places of the image drawn by (seed, draw), those of them where something is seen. */
+/* Chooses points to follow: places in the image drawn at random by (seed, draw), if a splat is seen there. */
 #include "td_renderer.h"
 #include "tides/truth.h"
 
@@ -6,8 +6,8 @@
 
 #include <stdlib.h>
 
-/* Places drawn at a time for each point, and how often: a picture that shows something in a 32nd of its pixels is enough. Each
- * time costs a pass of ground truth. */
+/* Places drawn at once per wanted point, and number of rounds. This is enough for images that show something in 1/32 of their
+ * pixels. Each round costs a pass of ground truth. */
 enum { DRAWN = 4, ROUNDS = 8 };
 
 tides_status tides_renderer_choose(tides_renderer *r, const tides_trajectory *camera, double time, uint64_t seed,

@@ -1,13 +1,13 @@
-/* Finds the part of a scene that is in view: clusters of neighbours against the planes through the eye and the image's borders.
- * It computes in double on the host, whatever the device.
+/* Finds the part of a scene that is in view: tests clusters of neighbouring Gaussians against the planes through the eye and
+ * the image's borders. It computes in double on the host, on any device.
  *
- * A mean at (x, y, z) of the camera, z > 0, is seen at u = fx x / z + cx. Its splat reaches sigmas (fx / z) s sigma further,
- * and `blur` pixels that don't depend on z. sigma is its largest standard deviation, and s = sqrt(1 + limit^2) bounds the
- * Jacobian, whose slope is clamped. So the splat is right of the image where
+ * A mean at (x, y, z) in the camera's coordinates, z > 0, is seen at u = fx x / z + cx. Its splat extends further by sigmas
+ * (fx / z) s sigma, and by `blur` pixels at any z. Here sigma is its largest standard deviation, and s = sqrt(1 + limit^2)
+ * bounds the Jacobian, whose slope is clamped. So the splat is right of the image if
  *   fx x - (width - cx + blur) z  >  sigmas fx s sigma.
- * That is a plane, and there is one for each other side; a splat is behind the camera where z < near. Over a cubic a linear
- * function of the place is at most its value at the cubic's Bezier points. Over a ball it is at most the ball's radius times
- * the plane's normal more than at its centre. */
+ * This is a plane, and each other side of the image has one, too; a splat is behind the camera if z < near. Along a cubic
+ * path, a linear function is at most its largest value at the cubic's Bezier points. On a ball it exceeds its value at the
+ * centre by at most the radius times the length of the plane's normal. */
 #include "camera/td_rotation.h"
 #include "td_renderer.h"
 #include "td_math.h"
@@ -17,12 +17,13 @@
 
 enum { POINTS_MOST = 4, PLANES_MOST = 5 };
 
-/* Size above which single precision can't be trusted to tell where a splat is, nor that it can't (shape.broken). */
+/* With a larger size, single precision can't tell where a splat is, not even that it is out of view. Such clusters are kept. */
 static const double size_most = 1e12;
-/* Share of reaches, and of coordinates, that rounding to singles may add, with much to spare. */
+/* Safety margin for reaches, and for coordinates: rounding to single precision adds far less. */
 static const double more = 1.01, rounding = 1e-5;
 
-/* -- making ---------------------------------------------------------------------------------------------------------------- */
+/* -- clusters of a store
+ * ---------------------------------------------------------------------------------------------------------------- */
 
 static const double *row_of(const td_store *store, int g) { return store->geometry + (size_t)g * TD_GEOMETRY_STRIDE; }
 
@@ -31,10 +32,10 @@ static void bound(const td_store *store, td_cluster *cluster) {
     for (int g = cluster->begin; g < cluster->end; g++) {
         const double *row = row_of(store, g);
         double square = 0;
-        if (row[TD_G_OPACITY] == 0) continue; /* padding, and whoever is as little to be seen */
+        if (row[TD_G_OPACITY] == 0) continue; /* padding, or an invisible Gaussian */
         for (int k = 0; k < 3; k++) {
             low[k] = fmin(low[k], row[TD_G_MEAN + k]), high[k] = fmax(high[k], row[TD_G_MEAN + k]);
-            sum += row[TD_G_MEAN + k]; /* NaN, which fmin doesn't see, stays */
+            sum += row[TD_G_MEAN + k]; /* keeps a NaN, which fmin ignores */
         }
         for (int k = 0; k < 9; k++) square += row[TD_G_FACTOR + k] * row[TD_G_FACTOR + k];
         cluster->axis = fmax(cluster->axis, sqrt(square));
@@ -58,7 +59,7 @@ static void bound(const td_store *store, td_cluster *cluster) {
 tides_status td_clusters_create(const td_store *store, td_clusters *clusters, tides_error *error) {
     const size_t groups = (size_t)(store->count / TD_PAD);
     memset(clusters, 0, sizeof *clusters);
-    clusters->of = td_alloc(groups, sizeof *clusters->of, error); /* objects are a group at least */
+    clusters->of = td_alloc(groups, sizeof *clusters->of, error); /* an object has at least one group */
     clusters->state = td_alloc(groups, sizeof *clusters->state, error);
     clusters->first = td_alloc((size_t)store->objects + 1, sizeof *clusters->first, error);
     clusters->group = td_alloc(groups, sizeof *clusters->group, error);
@@ -70,7 +71,7 @@ tides_status td_clusters_create(const td_store *store, td_clusters *clusters, ti
         while (g < store->count && store->object[g] == object && g - cluster->begin < TD_CLUSTER) g += TD_PAD;
         cluster->end = g;
         bound(store, cluster);
-        if (moves) cluster->radius = INFINITY; /* it isn't where its row says */
+        if (moves) cluster->radius = INFINITY; /* motion takes its Gaussians away from their rows */
         clusters->state[clusters->count++] = moves ? TD_CLUSTER_SEEN : TD_CLUSTER_LEFT;
         clusters->first[object + 1] = clusters->count;
     }
@@ -85,20 +86,22 @@ void td_clusters_release(td_clusters *clusters) {
     memset(clusters, 0, sizeof *clusters);
 }
 
-/* -- asking ---------------------------------------------------------------------------------------------------------------- */
+/* -- clusters in view
+ * ---------------------------------------------------------------------------------------------------------------- */
 
-/* A plane of the view: a splat is out of view while n . p > spread sigmas sigma + behind, with its mean at p. */
+/* A plane of the view. A splat with its mean at p is out of view if n . p > spread sigmas sigma + behind. */
 typedef struct plane {
     double normal[3], length; /* of the normal */
     double spread, behind;
 } plane;
 
-/* An object in an interval: maps p = r c + t whose hull the centre's cubic is in, and what bounds the rest. */
+/* An object in an interval: maps p = r c + t whose convex hull holds the path of a cluster's centre c, and bounds of the
+ * rest. */
 typedef struct outlook {
     double r[POINTS_MOST][9], t[POINTS_MOST][3];
     int points, planes;
     plane plane[PLANES_MOST];
-    double scale, far; /* of the object; |t| at most */
+    double scale, far; /* of the object; largest |t| */
     const td_stray *stray;
 } outlook;
 
@@ -117,7 +120,8 @@ static void set_points(const td_cluster_path *path, outlook *out) {
     out->stray = path->stray;
 }
 
-/* Adds the plane of the side at which `axis` grows or falls with `sign`: `border` pixels from the principal point. */
+/* Adds the plane of one side of the image: the side where `axis` grows (sign 1) or falls (-1), `border` pixels from the
+ * principal point. */
 static void add_side(outlook *out, int axis, double sign, double focal, double limit, double border) {
     plane *side = &out->plane[out->planes++];
     *side = (plane){.spread = focal * sqrt(1 + limit * limit)};
@@ -131,14 +135,14 @@ static void set_planes(const td_image *image, double blur, outlook *out) {
     out->planes = 0;
     plane *back = &out->plane[out->planes++];
     *back = (plane){.normal = {0, 0, -1}, .length = 1, .behind = -image->near};
-    if (image->lens_model) return; /* what is beside the image, a lens may bend into it */
+    if (image->lens_model) return; /* a lens may bend points from outside the pinhole's image into it */
     add_side(out, 0, 1, image->fx, limit_x, image->width - image->cx + blur);
     add_side(out, 0, -1, image->fx, limit_x, image->cx + blur);
     add_side(out, 1, 1, image->fy, limit_y, image->height - image->cy + blur);
     add_side(out, 1, -1, image->fy, limit_y, image->cy + blur);
 }
 
-/* Whether a cluster stays beyond one of the planes. `sigmas`: where its splats are cut off. */
+/* 1 if a cluster is beyond one of the planes throughout. `sigmas`: where its splats are cut off, in standard deviations. */
 static int is_out(const td_cluster *cluster, const outlook *out, double sigmas) {
     double at[POINTS_MOST][3];
     const double *c = cluster->centre,

@@ -1,4 +1,4 @@
-/* Scenes whose pixels a small network makes from composited features (the full SpacetimeGaussians model; kernels/decoder.h). */
+/* Decoders: a small network that makes each pixel's colour from composited features (the full SpacetimeGaussians model). */
 #include "td_renderer.h"
 
 #include "kernels/decoder.h"
@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* The motion with a decoder, or NULL. */
+/* The motion that has a decoder, or NULL. */
 static const tides_motion *find(const tides_scene *scene) {
     tides_object object;
     for (int32_t i = 0; i < tides_scene_objects(scene); i++)
@@ -31,11 +31,10 @@ tides_status td_store_find_decoder(const tides_scene *scene, td_store *store, ti
     return TIDES_OK;
 }
 
-/* The largest colour that a decoder without bounds makes, for how much light may change with it. A choice: trained ones
- * reach 1. */
+/* Assumed largest colour of a decoder without bounds, to estimate how much light may change. Trained decoders reach 1. */
 static const double largest_colour = 2;
 
-/* Most that the luminance changes where no feature changes by more than 1: slopes of relu are at most 1, of the sigmoid 1/4. */
+/* Largest change of luminance if no feature changes by more than 1. Slopes of relu are at most 1, of the sigmoid 1/4. */
 static double gain_of(const double *weights, const td_real luminance[3], int decoder) {
     double gain = 0;
     for (int c = 0; c < 3; c++) {

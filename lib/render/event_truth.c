@@ -1,4 +1,4 @@
-/* Ground truth of events: each one's pixel at the very time that it fired, in jobs of one block. */
+/* Ground truth of events: of each event's pixel at the exact time at which it fired, by jobs of one block each. */
 #include "td_renderer.h"
 #include "tides/truth.h"
 
@@ -7,16 +7,17 @@
 
 enum { EVENTS_AT_ONCE = 1024 };
 
-/* Candidate lists hold for all events of a launch: the longer it is, the more of them miss their tile [ns]. */
+/* Longest span of time of a launch [ns]. All its events share candidate lists, and in a longer span more boxes touch each
+ * tile. */
 static const int64_t longest_ns = 5000000;
 
-/* A launch's room. */
+/* Memory for a launch. */
 typedef struct launch {
     double *times, *planes; /* (EVENTS_AT_ONCE), (EVENTS_AT_ONCE x TD_OUT_TRUTH x TD_TILE_PIXELS) */
     td_request *requests;   /* (EVENTS_AT_ONCE) */
 } launch;
 
-/* Events to be answered, in order, but for what a readout did to their stamps. */
+/* Events whose truth is asked for. They are in order, up to a readout's delays. */
 typedef struct asked_events {
     const tides_event *events;
     const int64_t *fired; /* when each fired [ns], where its stamp is that of a readout; else NULL */
@@ -32,7 +33,7 @@ static asked_events rest_of(const asked_events *all, size_t from, size_t count) 
     return rest;
 }
 
-/* How many of the events from the first one on lie within longest_ns, and from when to when. */
+/* The number of events, from the first on, within longest_ns, and their span of time. */
 static size_t take_some(const asked_events *asked, int64_t span[2]) {
     size_t taken = 0;
     span[0] = span[1] = time_of(asked, 0);
@@ -55,7 +56,7 @@ static void take_values(const td_request *request, int pixel, const double *plan
     truth->reserved = 0;
 }
 
-/* Events within one launch; times count from `epoch_ns`, which is the renderer's epoch. */
+/* Handles the events of one launch; times count from `epoch_ns`, the renderer's epoch. */
 static tides_status run_launch(tides_renderer *r, const tides_trajectory *camera, const asked_events *asked,
                                const int64_t span[2], int64_t epoch_ns, const launch *l, tides_error *error) {
     const tides_event *events = asked->events;
@@ -79,7 +80,7 @@ static tides_status run_all(tides_renderer *r, const tides_trajectory *camera, c
                             tides_error *error) {
     const int64_t second = 1000000000, epoch = time_of(asked, 0) / second;
     tides_status status = TIDES_OK;
-    td_renderer_set_epoch(r, (double)epoch); /* so that nanoseconds resolve at 1.4e9 s */
+    td_renderer_set_epoch(r, (double)epoch); /* keeps nanoseconds at times of 1.4e9 s */
     for (size_t from = 0; from < asked->count && status == TIDES_OK;) {
         int64_t span[2];
         asked_events some = rest_of(asked, from, asked->count - from);

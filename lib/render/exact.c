@@ -1,4 +1,5 @@
-/* The scene in double precision (td_exact.h): which class, and what both share, rows of Gaussians that move by themselves. */
+/* The scene in double precision, for points: dispatches to the OpenCL or the C class, and passes on rows of Gaussians that
+ * move by themselves. */
 #include "td_exact.h"
 
 #include <limits.h>
@@ -29,7 +30,7 @@ static tides_status reserve_moved(td_exact *exact, size_t count, tides_error *er
     return status;
 }
 
-/* The moved rows that a request names, from the backend. */
+/* Fetches the moved rows that a request names from the backend. */
 static tides_status take_moved(td_exact *exact, td_backend *backend, const td_node_request *request, tides_error *error) {
     int first = INT_MAX, last = -1;
     for (int i = 0; i < request->count; i++) {

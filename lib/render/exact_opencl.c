@@ -1,5 +1,5 @@
-/* The scene in double precision on an OpenCL device (td_exact.h): buffers of doubles, and the kernel of nodes built for them.
- * SH stay floats where that is what they are: most of what the kernel reads. */
+/* The scene in double precision on an OpenCL device: buffers of doubles, and a kernel that projects Gaussians at nodes. SH
+ * stay floats if the scene has floats, since they are most of what the kernel reads. */
 #include "td_exact.h"
 #include "td_opencl.h"
 
@@ -8,14 +8,14 @@
 typedef struct opencl_exact {
     td_exact base;
     tides_device *device;
-    int first_rate; /* row that rates begin with */
+    int first_rate; /* row at which rates begin */
     int objects;
     int sh_float;                                                   /* SH are floats */
-    int is_coded;                                                   /* rows have green and blue beside them */
-    cl_kernel kernel, halve_kernel;                                 /* the latter where something moves by itself */
+    int is_coded;                                                   /* 1: rows of green and blue follow */
+    cl_kernel kernel, halve_kernel;                                 /* halve_kernel: NULL unless something moves by itself */
     td_buffer image, object, geometry, rates, sh, sh_rates, owners; /* the scene */
     td_buffer views, jobs, gaussians, places;                       /* a request */
-    td_buffer from, to, lengths;                                    /* paths to halve */
+    td_buffer from, to, lengths;                                    /* paths whose intervals are halved */
     td_buffer rows, beside;
 } opencl_exact;
 
@@ -45,7 +45,7 @@ static tides_status move(td_exact *exact, const td_moved_rows *moved, tides_erro
     return status;
 }
 
-/* Makes room for so many rows, and for the values beside them: one number where an image has none. */
+/* Makes room for `count` rows, and for the values beside them; for an image without such values, one number. */
 static tides_status grow_rows(opencl_exact *e, int count, tides_error *error) {
     const size_t rows = (size_t)count, beside = e->is_coded ? rows * TD_BESIDE_STRIDE : 1;
     const tides_status status = td_buffer_grow(e->device, &e->rows, rows * TD_PATH_STRIDE * sizeof(double), error);
@@ -129,7 +129,7 @@ const td_buffer *td_exact_beside_buffer(const td_exact *exact) {
     return exact->type == &opencl_class ? &((const opencl_exact *)exact)->beside : NULL;
 }
 
-/* The store's SH as floats, or as doubles, as the kernel takes them. */
+/* Copies the store's SH as the kernel needs them: floats or doubles. */
 static tides_status write_sh(opencl_exact *e, const td_store *store, tides_error *error) {
     size_t count = (size_t)store->count * (size_t)store->sh_stride;
     if (store->sh_wide) return td_buffer_write(e->device, &e->sh, store->sh_wide, count * sizeof *store->sh_wide, error);
@@ -142,7 +142,7 @@ static tides_status write_sh(opencl_exact *e, const td_store *store, tides_error
     return status;
 }
 
-/* Kernels want an argument for each array: what isn't there is one number. */
+/* Copies the store. A missing array is one number, since a kernel needs an argument for each. */
 static tides_status write_store(opencl_exact *e, const td_store *store, tides_error *error) {
     static const double none[2] = {0};
     size_t count = (size_t)store->count, geometry = count * TD_GEOMETRY_STRIDE * sizeof(double);
@@ -159,9 +159,9 @@ static tides_status write_store(opencl_exact *e, const td_store *store, tides_er
     return status == TIDES_OK ? write_sh(e, store, error) : status;
 }
 
-/* The image as kernels in double have it, reals and then ints, is td_image_numbers. */
+/* Builds the kernels. td_image_numbers has the image for double precision: reals, then ints. */
 static tides_status build(opencl_exact *e, const td_image_numbers *numbers, int moving, int halves, tides_error *error) {
-    td_image decisions; /* what is compiled in are ints */
+    td_image decisions; /* the decisions that are compiled in are ints */
     memset(&decisions, 0, sizeof decisions);
     memcpy((char *)&decisions + TD_IMAGE_REALS * sizeof(td_real), numbers->whole, sizeof numbers->whole);
     decisions.moving = moving;
@@ -177,7 +177,7 @@ static tides_status build(opencl_exact *e, const td_image_numbers *numbers, int 
     return status == TIDES_OK ? td_buffer_write(e->device, &e->image, numbers, sizeof *numbers, error) : status;
 }
 
-/* One job without Gaussians, no path: drivers such as PoCL compile when a kernel first runs. */
+/* Runs a job without Gaussians and a path of none: drivers such as PoCL compile when a kernel first runs. */
 static tides_status warm_up(opencl_exact *e, tides_error *error) {
     static const td_node_job no_nodes = {0, 0, 0, 0};
     static const int nothing[TD_PAD] = {0};
@@ -200,7 +200,7 @@ tides_status td_exact_create_opencl(tides_device *device, const td_store *store,
     e->device = device;
     e->objects = store->objects;
     e->first_rate = store->rates ? 0 : store->count;
-    e->sh_float = !store->sh_wide && !store->movers.moves_sh; /* moved ones are in the backend's precision */
+    e->sh_float = !store->sh_wide && !store->movers.moves_sh; /* moved SH have the backend's precision */
     const int moves = store->movers.count > 0;
     tides_status status = build(e, image, store->rates != NULL || moves, moves, error);
     if (status == TIDES_OK) status = write_store(e, store, error);

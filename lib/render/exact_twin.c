@@ -1,5 +1,5 @@
-/* The scene in double precision where the device has none (td_exact.h): the double reference, whose nodes have the bits of
- * OpenCL's in double, because the projection is made of basic operations alone (tests/kernels/test_exact_scene.c). */
+/* The scene in double precision on the host, for devices without double precision. Its nodes have the bits of OpenCL's in
+ * double, because projection uses basic operations only (tests/kernels/test_exact_scene.c). */
 #include "td_exact.h"
 
 #include <stdlib.h>
@@ -10,7 +10,7 @@ typedef struct twin {
     int *no_jobs; /* (kinds of motion + 1) */
 } twin;
 
-/* Rows that a motion moves go in as if the host had worked them out. */
+/* Passes on moved rows as rows from the host. */
 static tides_status move(td_exact *exact, const td_moved_rows *moved, tides_error *error) {
     twin *t = (twin *)exact;
     const td_host_rows all = {moved->row, moved->count, 0};

@@ -1,4 +1,4 @@
-/* Exposed frames: which rows are exposed when, and bands of tiles that are integrated together (expose_panels.c). */
+/* Exposed frames: when each row is exposed, and bands of rows of tiles that are integrated together. */
 #include "td_expose.h"
 
 #include "td_extremes.h"
@@ -8,12 +8,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A band's renders are kept until it is done: rows of tiles, with so many nodes each to begin with, that this holds; a band
- * has one row at least. */
+/* Bytes for the renders of a band, which are kept until it is done. They determine its rows of tiles (at least one), if each
+ * tile begins with 33 nodes. */
 static const double band_bytes = 256e6;
 enum { NODES_OF_TILE = 33 };
 
-/* How much longer than one row of tiles a band may be exposed: what it sees meanwhile is swept, and projected, for all. */
+/* Longest exposure of a band, compared with that of one row of tiles. All that the band sees in this time is swept and
+ * projected for all of its rows. */
 static const double longest_band = 1.25;
 
 void tides_exposure_defaults(tides_exposure *exposure) {
@@ -30,9 +31,9 @@ void tides_exposure_defaults(tides_exposure *exposure) {
 
 int32_t tides_exposure_planes(const tides_exposure *exposure) { return exposure && exposure->colour ? 3 : 1; }
 
-/* -- when ------------------------------------------------------------------------------------------------------------ */
+/* -- times ------------------------------------------------------------------------------------------------------------ */
 
-/* From a row to the next one. */
+/* Time from one row's exposure to the next one's [s]. */
 static double row_time(const tides_exposure *e) { return e->shutter == TIDES_SHUTTER_ROLLING ? e->row_time_s : 0; }
 
 void tides_exposure_row(const tides_exposure *e, int32_t height, double time, int32_t row, double *start, double *stop) {
@@ -48,14 +49,14 @@ void tides_exposure_span(const tides_exposure *e, int32_t height, double time, d
     if (stop) *stop = fmax(to[0], to[1]);
 }
 
-/* How long before its time a frame begins, and after it ends. */
+/* Half of a frame's span of time: it begins so long before the frame's time. */
 static double half_span(const tides_exposure *e, int32_t height) {
     double stop;
     tides_exposure_span(e, height, 0, NULL, &stop);
     return stop;
 }
 
-/* Frames and runs end where they are said to, not a rounding before. */
+/* Allowance for rounding [s], so that the last frame isn't lost. */
 static const double slack = 1e-9;
 
 size_t tides_exposure_count(const tides_exposure *e, int32_t height, double start, double stop) {
@@ -67,7 +68,7 @@ double tides_exposure_time(const tides_exposure *e, int32_t height, double start
     return start + half_span(e, height) + (double)index / e->frames_per_second;
 }
 
-/* -- what is asked --------------------------------------------------------------------------------------------------- */
+/* -- parameters --------------------------------------------------------------------------------------------------- */
 
 static tides_status take_exposure(const tides_exposure *given, tides_exposure *own, tides_error *error) {
     tides_exposure_defaults(own);
@@ -86,7 +87,7 @@ static tides_status take_exposure(const tides_exposure *given, tides_exposure *o
 
 /* -- a frame --------------------------------------------------------------------------------------------------------- */
 
-/* The band that begins with a row of tiles: how far it goes, and the interval that it is exposed in. */
+/* The band that begins with this row of tiles: its last row, and the interval of its exposure. */
 static td_row_window band_from(const tides_renderer *r, td_expose_band *band) {
     const int height = r->image.height;
     const size_t node = (size_t)band->planes * 2 * TD_TILE_PIXELS * sizeof(double);
@@ -104,7 +105,7 @@ static td_row_window band_from(const tides_renderer *r, td_expose_band *band) {
     return all;
 }
 
-/* A band's rows of light are sums from 0 on, and so are the estimates of its pixels. */
+/* Zeroes a band's rows of light and the error estimates of its pixels, which are both sums. */
 static tides_status clear_band(const tides_renderer *r, td_expose_band *band, tides_error *error) {
     const td_image *image = &r->image;
     const int y0 = band->first * TD_TILE, y1 = band->last * TD_TILE;
@@ -124,13 +125,14 @@ static void judge_band(const tides_renderer *r, td_expose_band *band) {
     }
 }
 
-/* Band by band, each swept for its own time, unless that is the one before's. */
+/* Exposes band by band. A band is swept for its own time, unless the band before had the same time. */
 static tides_status expose_bands(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, tides_error *error) {
     tides_status status = TIDES_OK;
     band->swept = (td_row_window){INFINITY, -INFINITY};
     for (band->first = 0; band->first < r->candidates.tiles_y && status == TIDES_OK; band->first = band->last) {
         const td_row_window now = band_from(r, band);
-        td_renderer_set_part(r, (double)band->first / r->candidates.tiles_y, 0); /* how many levels a band takes isn't known */
+        /* progress by bands only: the number of levels within a band isn't known */
+        td_renderer_set_part(r, (double)band->first / r->candidates.tiles_y, 0);
         status = clear_band(r, band, error);
         if (status == TIDES_OK) status = td_expose_stretches(r, camera, band, now, error);
         if (status == TIDES_OK) judge_band(r, band);
@@ -163,7 +165,7 @@ tides_status tides_renderer_expose(tides_renderer *r, const tides_trajectory *ca
     for (int y = 0; y < height; y++) tides_exposure_row(&e, height, time - r->epoch, y, &rows[y].start, &rows[y].stop);
     td_expose_band band = {.rows = rows, .planes = tides_exposure_planes(&e), .tolerance = e.tolerance, .light = light};
     status = expose_bands(r, camera, &band, error);
-    for (int c = 0; c < band.planes && status == TIDES_OK; c++) /* blur and mean are linear: either order */
+    for (int c = 0; c < band.planes && status == TIDES_OK; c++) /* blur and mean are linear, so their order is free */
         status = td_psf_image(&r->psf, r->image.width, height, light + (size_t)c * height * r->image.width, error);
     if (done && status == TIDES_OK) *done = (tides_exposed){band.error, (double)band.tiles / r->stats.tiles, band.unsettled};
     free(band.asks);

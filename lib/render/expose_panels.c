@@ -1,6 +1,6 @@
-/* Mean light over the exposures of a band of tiles, by as many renders as its tolerance asks for (td_expose.h). Level by level:
- * all nodes that a level's panels need are rendered in one batch, then panels are judged, and those that are cut make the next
- * level. */
+/* Mean light over the exposures of a band of tiles, with as many renders as the tolerance needs. An exposure is divided into
+ * panels, intervals between two nodes with a third node in their middle. It works level by level: all new nodes are rendered
+ * in one batch, then each panel's error is estimated, and the panels that are cut make the next level. */
 #include "td_expose.h"
 
 #include "td_extremes.h"
@@ -9,25 +9,25 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* How many of their own diameters splats may travel in a first panel: with its middle node, one between two looks, so that
- * none passes a tile unseen. */
+/* How far splats may travel in a first panel, in their own diameters. A panel has a node in its middle, so that at most one
+ * diameter lies between two nodes, and no splat passes a tile unseen. */
 static const double travel_of_panel = 2;
 
-/* Tiles rendered in one batch: a frame's worth at 346x260, 15 planes of 2 kB each. */
+/* Tiles rendered in one batch: a frame at 346x260 px, with 15 planes of 2 kB each. */
 enum { BATCH_TILES = 512 };
 
-/* A tile at a time: light and its rate per pixel of each plane, at `lights` of the job. */
+/* A tile at one time. `lights` is the place of its light and rate, per pixel of each plane. */
 typedef struct node {
     int tile, part;
 } node;
 
-/* A stretch of a tile's exposure between two nodes, with one in its middle. */
+/* An interval of a tile's exposure between two nodes, with a third one in its middle. */
 typedef struct panel {
     int tile, node[3]; /* begin, middle and end */
-    int cut;           /* 1: its halves have taken its place */
+    int cut;           /* 1: replaced by its halves */
 } panel;
 
-/* Cubics' weights for the mean over a row: of both values and both rates. */
+/* Weights of a cubic's two values and two rates in the mean over a row. */
 typedef struct weights {
     double w[4];
 } weights;
@@ -36,17 +36,17 @@ typedef struct expose_job {
     tides_renderer *renderer;
     const tides_trajectory *camera;
     td_expose_band *band;
-    int tiles_x, tile_count; /* tiles of the band, in reading order */
+    int tiles_x, tile_count; /* tiles of the band in reading order */
     node *nodes;
     double *lights; /* (nodes x planes x 2 x TD_TILE_PIXELS) */
     size_t node_count, node_capacity, light_capacity, rendered;
     panel *panels;
-    float *errors; /* (panels x TD_TILE_PIXELS) of each panel's mean */
+    float *errors; /* (panels x TD_TILE_PIXELS) error of each panel's mean */
     size_t panel_count, panel_capacity, error_capacity, judged;
-    double *sums;  /* (tiles x TD_TILE_PIXELS) of a pixel's errors, and then */
-    int *leaves;   /* (tiles) panels that aren't cut */
-    int *unknown;  /* (tiles) 1: something may be shorter than any of its panels */
-    double *times; /* scratch of a batch */
+    double *sums;  /* (tiles x TD_TILE_PIXELS) sum of a pixel's errors */
+    int *leaves;   /* (tiles) number of panels that aren't cut */
+    int *unknown;  /* (tiles) 1: an event may be shorter than any panel */
+    double *times; /* scratch for a batch */
     td_request *requests;
     double *planes;
 } expose_job;
@@ -61,26 +61,27 @@ static td_row_window exposure_of(const expose_job *job, int tile) {
     return td_expose_tile_row(job->band, job->renderer->image.height, job->band->first + tile / job->tiles_x);
 }
 
-/* The part of a tile's exposure within the stretch; nothing where it stops before it starts. */
+/* The part of a tile's exposure within the stretch; empty if stop < start. */
 static td_row_window window_of(const expose_job *job, int tile) {
     const td_row_window all = exposure_of(job, tile), stretch = job->band->stretch;
     return (td_row_window){td_greater(all.start, stretch.start), td_lesser(all.stop, stretch.stop)};
 }
 
-/* 1 where any of a tile's exposure is in the stretch. An instant between two stretches belongs to the later one. */
+/* 1 if part of a tile's exposure is in the stretch. An instant on the border of two stretches belongs to the later one. */
 static int is_exposed(const expose_job *job, int tile) {
     const td_row_window all = exposure_of(job, tile), stretch = job->band->stretch, own = window_of(job, tile);
     if (all.stop > all.start) return own.stop > own.start;
     return all.start >= stretch.start && (all.start < stretch.stop || stretch.stop >= job->band->all.stop);
 }
 
-/* How much of it is. */
+/* The share of a tile's exposure in the stretch. */
 static double share_of(const expose_job *job, int tile) {
     const td_row_window all = exposure_of(job, tile), own = window_of(job, tile);
     return all.stop > all.start ? (own.stop - own.start) / (all.stop - all.start) : 1;
 }
 
-/* A tile's last moment is exposed, too; others are the next stretch's. */
+/* 1 if `time` is the end of the tile's exposure, which counts as exposed. The end of another stretch belongs to the next
+ * one. */
 static int is_last(const expose_job *job, int tile, double time) { return time >= exposure_of(job, tile).stop; }
 
 static double time_of(const expose_job *job, const node *n) {
@@ -110,7 +111,7 @@ static int gather_times(const expose_job *job, size_t first, int count, double *
     return distinct;
 }
 
-/* A rendered tile as light and its rate. */
+/* Converts a rendered tile to light and its rate. */
 static void take_light(const expose_job *job, const double *planes, double *light) {
     const double log_eps = (double)job->renderer->image.log_eps;
     if (job->band->planes == 3) {
@@ -140,7 +141,7 @@ static tides_status render_some(expose_job *job, size_t first, int count, tides_
     return status;
 }
 
-/* Renders all nodes that aren't yet. */
+/* Renders all nodes that aren't rendered yet. */
 static tides_status render_nodes(expose_job *job, tides_error *error) {
     tides_status status =
         td_reserve((void **)&job->lights, &job->light_capacity, job->node_count * node_size(job), sizeof *job->lights, error);
@@ -156,7 +157,7 @@ static tides_status render_nodes(expose_job *job, tides_error *error) {
 
 /* -- means ----------------------------------------------------------------------------------------------------------- */
 
-/* Integrals from 0 to u of the cubics of Hermite: of both values, then of both rates. */
+/* Integrals from 0 to u of the Hermite basis: of both values, then of both rates. */
 static void integrals(double u, double out[4]) {
     const double u2 = u * u, u3 = u2 * u, u4 = u2 * u2;
     out[0] = u - u3 + 0.5 * u4;
@@ -165,7 +166,7 @@ static void integrals(double u, double out[4]) {
     out[3] = 0.25 * u4 - u3 / 3;
 }
 
-/* Their values at u. */
+/* The Hermite basis at u. */
 static void cubics(double u, double out[4]) {
     const double u2 = u * u, u3 = u2 * u;
     out[0] = 1 - 3 * u2 + 2 * u3;
@@ -174,7 +175,7 @@ static void cubics(double u, double out[4]) {
     out[3] = u3 - u2;
 }
 
-/* Weights of [from, to] in the mean over a row's window; `last`: the piece holds its tile's last moment. */
+/* Weights of [from, to] in the mean over a row's exposure; `last`: the piece holds the last moment of the tile's exposure. */
 static weights weights_of(td_row_window row, double from, double to, int last) {
     const double span = to - from, a = td_greater(row.start, from), b = td_lesser(row.stop, to);
     weights made = {{0, 0, 0, 0}};
@@ -194,7 +195,7 @@ static weights weights_of(td_row_window row, double from, double to, int last) {
     return made;
 }
 
-/* The weights of a tile's rows for the piece between two nodes. */
+/* The weights of all rows of a tile, for the piece between two nodes. */
 static void row_weights(const expose_job *job, int from, int to, weights rows[TD_TILE]) {
     const node *a = &job->nodes[from], *b = &job->nodes[to];
     const int y0 = (job->band->first + a->tile / job->tiles_x) * TD_TILE, height = job->renderer->image.height;
@@ -204,21 +205,21 @@ static void row_weights(const expose_job *job, int from, int to, weights rows[TD
     }
 }
 
-/* A piece's part of the mean of a pixel of a plane. */
+/* A piece's part of the mean, for one pixel of a plane. */
 static inline double part_of(const expose_job *job, int from, int to, const double w[4], int plane, int pixel) {
     const size_t size = node_size(job), at = (size_t)plane * TD_TILE_PIXELS + (size_t)pixel, rate = size / 2;
     const double *a = job->lights + (size_t)from * size + at, *b = job->lights + (size_t)to * size + at;
     return w[0] * a[0] + w[1] * b[0] + w[2] * a[rate] + w[3] * b[rate];
 }
 
-/* A pixel of the image, or one that only its tile has. */
+/* 1 if pixel i of the tile is within the image. */
 static int is_pixel(const expose_job *job, int tile, int i) {
     const td_image *image = &job->renderer->image;
     return tile % job->tiles_x * TD_TILE + i % TD_TILE < image->width &&
            (job->band->first + tile / job->tiles_x) * TD_TILE + i / TD_TILE < image->height;
 }
 
-/* How far the whole cubic of a panel is from the image in its middle: value and slope. */
+/* Distance of the panel's own cubic from the middle node: in value and slope. */
 static double bend_of(const expose_job *job, const panel *p, double span, int plane, int pixel) {
     const size_t size = node_size(job), at = (size_t)plane * TD_TILE_PIXELS + (size_t)pixel;
     const double *f0 = job->lights + (size_t)p->node[0] * size + at, *fm = job->lights + (size_t)p->node[1] * size + at,
@@ -229,11 +230,11 @@ static double bend_of(const expose_job *job, const panel *p, double span, int pl
     return fabs(value) + fabs(slope);
 }
 
-/* A panel as one row sees it. */
+/* A panel from the point of view of one row. */
 typedef struct row_look {
     weights whole, half[2];
-    double share; /* of the row's exposure */
-    int in_part;  /* 1: the row's exposure ends, or begins, within the panel */
+    double share; /* share of the row's exposure that the panel covers */
+    int in_part;  /* 1: the row's exposure begins or ends within the panel */
 } row_look;
 
 static void look_of(const expose_job *job, const panel *p, row_look looks[TD_TILE]) {
@@ -250,10 +251,11 @@ static void look_of(const expose_job *job, const panel *p, row_look looks[TD_TIL
     }
 }
 
-/* The error of a panel's halves in a pixel of a plane. Where all of it is exposed that is half of what they say against the
- * whole; but a kink a quarter in leaves both with the same integral, and the middle's value right: a quarter of how far value
- * and slope are off there is half more than what a kink anywhere costs the halves. In part, down to an instant, cubics that
- * cross say nothing, and a kink costs up to half of that. For smooth signals the quarter equals half of the other. */
+/* Estimates the error of a panel's halves for a pixel of a plane. If the row's exposure covers the panel, that is half the
+ * difference between halves and whole panel. But with a kink at a quarter, both have the same integral, and the middle's
+ * value is right. So it is also at least a quarter of the deviation in value and slope at the middle, which is 1.5 times what
+ * a kink anywhere costs the halves. If the exposure covers a part, down to an instant, the difference may vanish by chance,
+ * and a kink costs up to half of the deviation. For smooth signals the two estimates are equal. */
 static double error_of(const expose_job *job, const panel *p, const row_look *look, double span, int plane, int pixel) {
     const double bend = look->share * bend_of(job, p, span, plane, pixel);
     if (look->in_part) return 0.5 * bend;
@@ -263,7 +265,7 @@ static double error_of(const expose_job *job, const panel *p, const row_look *lo
     return td_greater(0.5 * fabs(apart), 0.25 * bend);
 }
 
-/* The error of a panel in each pixel, the worst plane's. */
+/* Sets the error of a panel in each pixel: that of the worst plane. */
 static void judge(expose_job *job, size_t index) {
     const panel *p = &job->panels[index];
     const double span = time_of(job, &job->nodes[p->node[2]]) - time_of(job, &job->nodes[p->node[0]]);
@@ -282,7 +284,7 @@ static void judge(expose_job *job, size_t index) {
 
 /* -- panels ---------------------------------------------------------------------------------------------------------- */
 
-/* A panel of two nodes that are there, and one in its middle. */
+/* Adds a panel between two existing nodes, and a node in its middle. */
 static tides_status add_panel(expose_job *job, int tile, int from, int to, tides_error *error) {
     tides_status status =
         td_reserve((void **)&job->panels, &job->panel_capacity, job->panel_count + 1, sizeof *job->panels, error);
@@ -295,7 +297,7 @@ static tides_status add_panel(expose_job *job, int tile, int from, int to, tides
 
 double td_expose_asked(const tides_renderer *r, const td_expose_band *band, int tile) {
     double most = 0;
-    for (; r && band->asked; r = r->beside) { /* channels see the same at other places of their lists */
+    for (; r && band->asked; r = r->beside) { /* channels see the same splats, at other places of their lists */
         const td_candidates *lists = &r->candidates;
         for (int i = lists->first[tile]; i < lists->first[tile + 1]; i++)
             if (lists->list[i] != TD_NO_GAUSSIAN) most = td_greater(most, (double)band->asks[lists->list[i]]);
@@ -303,8 +305,8 @@ double td_expose_asked(const tides_renderer *r, const td_expose_band *band, int 
     return most;
 }
 
-/* How many panels a tile begins with: as many as what it may see travels through, or as scales of time ask for; a power of two,
- * so that tiles share times. `*unknown`: these would take more. */
+/* Number of panels that a tile begins with: from the travel of its splats, and from their scales of time. It is a power of
+ * two, so that tiles share times. `*unknown`: more would be needed. */
 static int first_panels(const expose_job *job, int tile, int *unknown) {
     const int number = job->band->first * job->tiles_x + tile;
     const double *swept = job->renderer->sweep.interval;
@@ -318,7 +320,7 @@ static int first_panels(const expose_job *job, int tile, int *unknown) {
     return panels;
 }
 
-/* Its panels; one node and no panel where nothing moves. */
+/* Adds a tile's first panels; for a tile at rest, one node and no panel. */
 static tides_status begin_tile(expose_job *job, int tile, tides_error *error) {
     const td_row_window w = window_of(job, tile);
     int from = 0, to = 0;
@@ -336,7 +338,7 @@ static tides_status begin_tile(expose_job *job, int tile, tides_error *error) {
     return status;
 }
 
-/* 1 where some pixel's sum is above the tolerance, and this panel has more than half its share of that sum's bound. */
+/* 1 if a pixel's sum is above the tolerance, and this panel has more than half its share of the allowed sum. */
 static int wants_cut(const expose_job *job, const panel *p, const float *errors) {
     const double tolerance = job->band->tolerance * share_of(job, p->tile), share = 0.5 * tolerance / job->leaves[p->tile];
     const double *sums = job->sums + (size_t)p->tile * TD_TILE_PIXELS;
@@ -345,20 +347,20 @@ static int wants_cut(const expose_job *job, const panel *p, const float *errors)
     return 0;
 }
 
-/* Cuts the panels that want it, into halves at the list's end; 0 where none does. */
+/* Cuts panels into halves, which go to the end of the list; *any is 0 if there were none. */
 static tides_status cut_panels(expose_job *job, int *any, tides_error *error) {
     tides_status status = TIDES_OK;
     const size_t count = job->panel_count;
     *any = 0;
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         const panel p = job->panels[i];
-        if (p.cut || job->nodes[p.node[2]].part - job->nodes[p.node[0]].part < 4) continue; /* halves have middles */
+        if (p.cut || job->nodes[p.node[2]].part - job->nodes[p.node[0]].part < 4) continue; /* halves need middles */
         if (!wants_cut(job, &p, job->errors + i * TD_TILE_PIXELS)) continue;
         *any = job->panels[i].cut = 1;
         status = add_panel(job, p.tile, p.node[0], p.node[1], error);
         if (status == TIDES_OK) status = add_panel(job, p.tile, p.node[1], p.node[2], error);
     }
-    for (size_t i = 0; i < count; i++) { /* only now, for all were to see the same sums */
+    for (size_t i = 0; i < count; i++) { /* only now, so that all panels were judged by the same sums */
         const panel *p = &job->panels[i];
         if (p->cut != 1) continue;
         job->panels[i].cut = 2;
@@ -385,7 +387,7 @@ static tides_status refine(expose_job *job, tides_error *error) {
 
 /* -- the result ------------------------------------------------------------------------------------------------------ */
 
-/* The weights of a tile's rows where one node stands for the whole stretch. */
+/* The weights of a tile's rows if one node stands for the whole stretch. */
 static void rest_weights(const expose_job *job, int tile, weights rows[TD_TILE]) {
     const int y0 = (job->band->first + tile / job->tiles_x) * TD_TILE, height = job->renderer->image.height;
     const td_row_window w = window_of(job, tile);
@@ -397,7 +399,7 @@ static void rest_weights(const expose_job *job, int tile, weights rows[TD_TILE])
     }
 }
 
-/* Adds what a panel's halves give, or all of it where its tile has a single node (`from` is `to`), to the band's light. */
+/* Adds a panel's halves to the band's light; for a tile with a single node (`from` is `to`), all of its light. */
 static void add_light(const expose_job *job, int tile, int from, int to) {
     const td_image *image = &job->renderer->image;
     const int x0 = tile % job->tiles_x * TD_TILE, y0 = (job->band->first + tile / job->tiles_x) * TD_TILE;
@@ -413,7 +415,7 @@ static void add_light(const expose_job *job, int tile, int from, int to) {
                     part_of(job, from, to, rows[y].w, c, td_tile_pixel(x, y));
 }
 
-/* The brightest that a pixel was at any node of its tile. */
+/* Notes each pixel's brightest value at any node of its tile. */
 static void note_brightest(const expose_job *job, const node *n, const double *light, float *brightest) {
     const int planes = job->band->planes;
     for (int c = 0; c < planes && job->unknown[n->tile]; c++)
@@ -423,8 +425,8 @@ static void note_brightest(const expose_job *job, const node *n, const double *l
         }
 }
 
-/* Doubts pixels in which something may be shorter than panels. Their light between looks isn't known, so all that it has been
- * counts as doubtful. */
+/* Marks pixels as doubtful whose light may have changed between nodes. The change isn't known, so the error is their
+ * brightest value. */
 static tides_status doubt_unknown(expose_job *job, tides_error *error) {
     float *brightest = td_alloc((size_t)job->tile_count * TD_TILE_PIXELS, sizeof *brightest, error);
     if (!brightest) return TIDES_NO_MEMORY;
@@ -439,9 +441,9 @@ static tides_status doubt_unknown(expose_job *job, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Light and errors, panel by panel from the first on. */
+/* Adds up light and errors, in the order of the panels. */
 static void finish(expose_job *job) {
-    for (size_t i = 0; i < job->node_count; i++) /* a tile's first node is its only one where it has no panel */
+    for (size_t i = 0; i < job->node_count; i++) /* a tile without panels has one node */
         if (job->nodes[i].part == 0 && job->leaves[job->nodes[i].tile] == 0) add_light(job, job->nodes[i].tile, (int)i, (int)i);
     for (size_t i = 0; i < job->panel_count; i++) {
         const panel *p = &job->panels[i];

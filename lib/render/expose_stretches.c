@@ -1,6 +1,6 @@
-/* An exposure is gone through in stretches, each swept and integrated by itself (expose_panels.c): so short that no tile asks
- * for more than 64 panels in one, by what motions and paths say that they do. A lamp that flashes for 50 us in 10 ms would else
- * be dark whenever it is looked at. Most exposures are one stretch. For expose.c. */
+/* Divides an exposure into stretches, each swept and integrated by itself. They are so short that no tile needs more than 64
+ * panels in one, by the scales of time that motions and paths declare. Otherwise a lamp that flashes for 50 us in 10 ms could
+ * be dark at every node. Most exposures are one stretch. */
 #include "td_expose.h"
 
 #include "motion/td_motion.h"
@@ -8,20 +8,20 @@
 
 #include <stdlib.h>
 
-/* A stretch is halved, down to nanoseconds, while some tile asks for more panels than it may begin with; so many stretches at
- * most, each a sweep. A sweep sees what takes a 4096th of it, and as it is of all Gaussians, an exposure is cut for that into
- * fewer. An exposure that takes more sweeps isn't searched, and its possible events count as unknown. */
+/* A stretch is halved, down to nanoseconds, while some tile needs more panels than it may begin with. There are at most 2048
+ * stretches, each with a sweep. A sweep detects events as short as 1/4096 of its interval; longer exposures are first cut for
+ * that, into at most 64 sweeps. An exposure that needs more sweeps isn't searched, and its possible events count as unknown. */
 enum { STRETCHES_MAX = 2048, DEEPEST = 20, SWEEPS_MAX = 64, SEEN_MOST = 1 << (TD_STRAY_LEVELS - 1) };
 
-/* A path that strays by more than this from the cubics of so many pieces [px] does something in them that looks may miss; what
- * is less than that they needn't be made for, and what takes longer than pieces of this level a tile's travel tells. */
+/* A path that strays by more than this [px] from the cubics of 2^level pieces may do something between nodes. Below the least
+ * level, the tile's travel already asks for enough panels. */
 static const double strays_px = 0.25;
 enum { LEAST_STRAY_LEVEL = 5 };
 
-/* Scales this much below what a sweep sees, by rounding, don't count. */
+/* Rounding may make a scale of time shorter by this share. */
 static const double slack = 1e-6;
 
-/* 2^level pieces of the interval swept last follow the path of an object. */
+/* Level of an object's path in the interval swept last: 2^level pieces follow it. */
 static int path_level(const tides_renderer *r, int object) {
     const double *px = r->sweep.strays.px + (size_t)object * TD_STRAY_LEVELS;
     int level = 0;
@@ -38,17 +38,16 @@ static int finest_path(const tides_renderer *r) {
     return finest;
 }
 
-/* Pieces by the roughness that the sweep found; with a colour filter, that of its roughest channel. */
+/* Pieces that a Gaussian's changes need, from the sweep; with a colour filter, those of the worst channel. */
 static double rough_pieces(const tides_renderer *r, int gaussian) {
     double most = 0;
     for (; r; r = r->beside) most = td_greater(most, 2 * (double)r->sweep.travel[gaussian]);
     return most;
 }
 
-/* Asks for pieces of the Gaussians whose motion model moves them, where an event shorter than the stretch may happen to them.
- * If the motion knows which of them rest, each of the others asks for all pieces. Else a Gaussian asks for as many as the sweep
- * found it rough: by how much it differs from the image of coarser pieces. `unknown`: the sweep may have missed something, so
- * each asks for all. */
+/* Sets how many pieces each Gaussian of a motion model needs, if an event on it may be shorter than the stretch. If the
+ * motion knows which Gaussians rest, each of the others asks for all pieces. Otherwise the sweep's roughness decides, the
+ * difference from the image of coarser pieces. `unknown`: the sweep may have missed an event, so each asks for all. */
 static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *object, td_expose_band *band,
                                   tides_error *error) {
     const tides_motion *motion = object->of.motion;
@@ -73,7 +72,7 @@ static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *ob
     return status;
 }
 
-/* Finds the pieces that each Gaussian asks for in the interval swept last. */
+/* Sets how many pieces each Gaussian needs in the interval swept last. */
 static tides_status find_asks(tides_renderer *r, td_expose_band *band, tides_error *error) {
     const int paths = finest_path(r);
     tides_status status = TIDES_OK;
@@ -94,7 +93,7 @@ static tides_status find_asks(tides_renderer *r, td_expose_band *band, tides_err
 
 static double middle_of(td_row_window stretch) { return stretch.start + 0.5 * (stretch.stop - stretch.start); }
 
-/* The most panels that any tile of the band asks for. */
+/* The most panels that a tile of the band needs. */
 static double most_asked(const tides_renderer *r, const td_expose_band *band) {
     const int across = r->candidates.tiles_x;
     double most = 0;
@@ -103,7 +102,7 @@ static double most_asked(const tides_renderer *r, const td_expose_band *band) {
     return most;
 }
 
-/* 1 in *is where a part may hold something too short for its sweep. */
+/* Sets *is to 1 if the part may hold an event too short for its sweep. */
 static tides_status is_long(tides_renderer *r, td_row_window part, int *is, tides_error *error) {
     double shortest = INFINITY;
     const tides_status status = td_dynamic_shortest(&r->dynamic, part.start, part.stop, &shortest, error);
@@ -111,7 +110,7 @@ static tides_status is_long(tides_renderer *r, td_row_window part, int *is, tide
     return status;
 }
 
-/* Counts the sweeps that a part takes, up to one more than there may be. */
+/* Counts the sweeps that a part needs, up to one more than allowed. */
 static tides_status count_sweeps(tides_renderer *r, td_row_window part, int depth, int *count, tides_error *error) {
     int more = 0;
     tides_status status = depth < DEEPEST && *count <= SWEEPS_MAX ? is_long(r, part, &more, error) : TIDES_OK;

@@ -1,6 +1,6 @@
-/* Material points: what pixels show, picked and followed. A point is a place in a Gaussian, xi (kernels/truth.h), and is
- * where its Gaussian takes it: c + F xi. On the host, in double precision; Gaussians that move by themselves as the backend
- * has them. */
+/* Material points: picks those that pixels show, and follows them. A point is a fixed place xi in a Gaussian, and lies at c +
+ * F xi, where c is the Gaussian's centre and F its factor. It works on the host, in double; rows of Gaussians that move by
+ * themselves come from the backend. */
 #include "td_renderer.h"
 #include "tides/truth.h"
 
@@ -9,16 +9,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A moment of the scene: which splat has the median at each pixel, as a Gaussian of the store or -1, and views of its
- * objects. */
+/* The scene at one time: at each pixel the Gaussian with the median transmittance (index in the store, or -1), and the
+ * objects' views. */
 typedef struct moment {
     double time;
-    td_image image; /* as of splats without rates of their own: only places are asked for */
+    td_image image; /* without rates: only places are needed */
     double *splat;  /* (height x width) */
     td_view *views; /* (objects of the store) */
 } moment;
 
-/* A Gaussian seen along a ray: the place that the ray shows, where that is, and how deep the Gaussian is there. */
+/* A Gaussian seen along a ray: the place xi that the ray shows, its position, and the Gaussian's depth there. */
 typedef struct glance {
     double xi[3], p[3], thickness;
 } glance;
@@ -30,7 +30,7 @@ static void moment_release(moment *m) {
     free(m->views);
 }
 
-/* Places in tiles' lists to Gaussians. */
+/* Converts places in tiles' lists to Gaussians. */
 static void name_splats(const tides_renderer *r, double *splat) {
     for (int y = 0; y < r->image.height; y++)
         for (int x = 0; x < r->image.width; x++) {
@@ -63,7 +63,7 @@ static tides_status moment_take(tides_renderer *r, const tides_trajectory *camer
 
 static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* A Gaussian's centre and factor before the camera, a record each of places and rates. */
+/* A Gaussian's centre and factor in the camera's coordinates: a record of places, and one of rates. */
 /* NOLINTNEXTLINE(readability-non-const-parameter): td_surfaces writes through them */
 static void surface_at(const moment *m, const td_view *view, const double *row, double place[16], double rate[16]) {
     td_source source;
@@ -73,7 +73,7 @@ static void surface_at(const moment *m, const td_view *view, const double *row, 
     td_store_surfaces(view, &m->image, &source, 0, 0, 0, &to);
 }
 
-/* The Gaussian as a ray sees it; no further out than kernels go. */
+/* The Gaussian as a ray sees it. xi is limited to the distance up to which kernels draw splats. */
 static glance glance_at(const moment *m, const td_view *view, const double *row, double x, double y) {
     double place[16], rate[16], way[3];
     td_source source;
@@ -95,20 +95,20 @@ static glance glance_at(const moment *m, const td_view *view, const double *row,
     way[2] = k[2] * ray[0] + rest[1] * ray[1] + rest[2];
     const double volume =
         fabs(f[0] * (f[4] * f[8] - f[5] * f[7]) + f[1] * (f[5] * f[6] - f[3] * f[8]) + f[2] * (f[3] * f[7] - f[4] * f[6]));
-    const double across = dot3(ray, way); /* 1 / sqrt(d^T Sigma^-1 d) is how deep it is */
+    const double across = dot3(ray, way); /* 1 / sqrt(d^T Sigma^-1 d) is the Gaussian's depth along the ray */
     g.thickness = across > 0 ? volume / (scale * sqrt(across)) : 0;
     for (int j = 0; j < 3; j++) g.xi[j] *= scale;
     return g;
 }
 
-/* Where a point is before the camera. */
+/* The position of a point in the camera's coordinates. */
 static void point_at(const moment *m, const td_view *view, const double *row, const double xi[3], double p[3]) {
     double place[16], rate[16];
     surface_at(m, view, row, place, rate);
     for (int i = 0; i < 3; i++) p[i] = place[TD_S_C + i] + dot3(place + TD_S_F + 3 * i, xi) / rate[TD_S_SCALE];
 }
 
-/* A place before the camera on the screen. */
+/* Projects a position in the camera's coordinates onto the screen. */
 static void project(const moment *m, const double p[3], double *u, double *v) {
     double x = p[0] / p[2], y = p[1] / p[2];
     if (m->image.lens_model) {
@@ -129,13 +129,13 @@ static tides_status check_places(const tides_renderer *r, const double *xy, size
     return TIDES_OK;
 }
 
-/* The Gaussian of the store that has the median at a place, or -1. */
+/* The Gaussian (of the store) with the median at a place, or -1. */
 static int splat_at(const moment *m, double x, double y) {
     return (int)m->splat[(size_t)y * (size_t)m->image.width + (size_t)x];
 }
 
-/* Points, and where they are on the screen: at xy itself, but for those of splats that dilation shows where they are not; start
- * (count x 2), nullable. */
+/* Finds the points at xy, and their places on the screen, start (count x 2, may be NULL). These are xy, except for splats
+ * that dilation makes visible where they are not. */
 static tides_status pick(tides_renderer *r, const tides_trajectory *camera, double time, const double *xy, size_t count,
                          tides_material_point *points, double *start, tides_error *error) {
     tides_status status = check_places(r, xy, count, error);
@@ -172,7 +172,7 @@ tides_status tides_renderer_pick(tides_renderer *r, const tides_trajectory *came
 
 /* -- following ------------------------------------------------------------------------------------------------------- */
 
-/* Gaussians of the store by number in their object of the scene; `first` (objects of the scene + 1). */
+/* The store's Gaussians by their number within an object of the scene; `first` has (objects of the scene + 1) entries. */
 typedef struct numbering {
     int objects;
     int64_t *first;
@@ -191,17 +191,17 @@ static tides_status numbering_make(const tides_renderer *r, numbering *n, tides_
     n->first = td_alloc((size_t)n->objects + 1, sizeof *n->first, error);
     n->gaussian = td_alloc((size_t)store->count, sizeof *n->gaussian, error);
     if (!n->first || !n->gaussian) return TIDES_NO_MEMORY;
-    for (int g = 0; g < store->count; g++) { /* how many, padding repeats the last */
+    for (int g = 0; g < store->count; g++) { /* the number of Gaussians; padding repeats the last one */
         int64_t *end = &n->first[store->scene_object[store->object[g]] + 1];
         if (store->number[g] + 1 > *end) *end = store->number[g] + 1;
     }
     for (int i = 0; i < n->objects; i++) n->first[i + 1] += n->first[i];
-    for (int g = store->count - 1; g >= 0; g--) /* the first with its number, not its padding */
+    for (int g = store->count - 1; g >= 0; g--) /* the lowest index of a number, which isn't padding */
         n->gaussian[n->first[store->scene_object[store->object[g]]] + store->number[g]] = g;
     return TIDES_OK;
 }
 
-/* The store's Gaussians of points, -1 for none. */
+/* Finds the store's Gaussians of points; -1 for none. */
 static tides_status find_points(const tides_renderer *r, const tides_material_point *points, size_t count, int *gaussians,
                                 tides_error *error) {
     numbering n;
@@ -221,8 +221,8 @@ static tides_status find_points(const tides_renderer *r, const tides_material_po
     return status;
 }
 
-/* 1 where a point of a Gaussian, `own` there, is hidden by the Gaussian that its place shows. The point must be further behind
- * than both splats are deep, and than soft order tells splats apart. */
+/* 1 if a point is hidden by the Gaussian that its pixel shows. It must be behind that by more than both splats' depth, and by
+ * more than soft order can distinguish. */
 static int is_hidden(const moment *m, double depth, const glance *own, const glance *shown) {
     const double deep = 3 * (own->thickness + shown->thickness), near = TD_SOFT_REACH * m->image.soft_depth * shown->p[2];
     return depth > shown->p[2] + deep + near;
@@ -242,7 +242,7 @@ typedef struct followed {
     tides_track *tracks;       /* results */
 } followed;
 
-/* Tracks of the points as if nothing hid them, and the Gaussians that their places show. */
+/* Sets the tracks of the points as if nothing hid them, and the Gaussians that their places show. */
 static tides_status place_points(tides_renderer *r, const moment *m, const followed *f, tides_error *error) {
     const int *own = f->own;
     int *shown = f->shown;

@@ -1,4 +1,4 @@
-/* Whole images: all tiles at one time, put together. One path with tiles of a run, not two. */
+/* Whole images: renders all tiles at one time and assembles them. The tiles are rendered by the same code as in a run. */
 #include "td_renderer.h"
 
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 static void copy_row(const double *plane, int y, int width, double *to) {
     const double *from = plane + td_tile_pixel(0, y);
     for (int x = 0; x + TD_BLOCK <= width; x += TD_BLOCK, from += TD_BLOCK_PIXELS)
-        memcpy(to + x, from, TD_BLOCK * sizeof *to); /* of a block's four rows of four */
+        memcpy(to + x, from, TD_BLOCK * sizeof *to); /* a block has four rows of four pixels */
     for (int x = width - width % TD_BLOCK; x < width; x++) to[x] = plane[td_tile_pixel(x, y)];
 }
 
@@ -21,7 +21,7 @@ void td_renderer_assemble(const tides_renderer *renderer, const double *tiles, i
     }
 }
 
-/* The fewest planes that hold every channel asked for; 0 where none is. Y alone needs no rates, but optics blur by L. */
+/* The smallest set of planes with every requested channel; 0 for no channel. Y alone needs no rates, but blur works on L. */
 static int outputs_for(const tides_renderer *renderer, const tides_frame *frame) {
     int outputs = 0;
     for (int c = 0; c < TIDES_CHANNELS; c++) {
@@ -36,7 +36,7 @@ static int outputs_for(const tides_renderer *renderer, const tides_frame *frame)
     return frame->plane[TIDES_Y] && outputs < TD_OUT_DIAGNOSTICS && !alone ? TD_OUT_SIGNAL_Y : outputs;
 }
 
-/* Where a channel is among so many planes. */
+/* The index of a channel within such a set. */
 static int plane_of(int channel, int outputs) { return outputs == TD_OUT_LUMINANCE ? 0 : td_plane_of_channel(channel); }
 
 tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time,
@@ -46,7 +46,7 @@ tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajecto
     return td_renderer_frame(renderer, camera, time - renderer->epoch, frame, error);
 }
 
-/* Every tile of the image, at its only time: the caller's to free. */
+/* Requests every tile of the image, at slot 0; the caller frees them. */
 static td_request *request_all(const tides_renderer *renderer, tides_error *error) {
     td_request *requests = td_alloc((size_t)renderer->stats.tiles, sizeof *requests, error);
     for (int i = 0; i < renderer->stats.tiles && requests; i++) requests[i].tile = i;
@@ -61,7 +61,7 @@ tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_traject
     tides_status status = requests ? td_reserve((void **)&renderer->scratch.frame_planes, &renderer->scratch.frame_capacity,
                                                 (size_t)tiles * (size_t)outputs * TD_TILE_PIXELS, sizeof(double), error)
                                    : TIDES_NO_MEMORY;
-    const int truth = outputs == TD_OUT_TRUTH; /* which no optics blur, and no colour filter changes */
+    const int truth = outputs == TD_OUT_TRUTH; /* neither blur nor colour filter applies to it */
     double *planes = renderer->scratch.frame_planes;
     if (status == TIDES_OK) status = td_renderer_check_stop(renderer, 0, error);
     if (status == TIDES_OK) status = (truth ? td_renderer_sweep_alone : td_renderer_sweep)(renderer, camera, time, time, error);
@@ -72,12 +72,12 @@ tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_traject
     return status;
 }
 
-/* Whether planes can go to the image at once: nothing comes between. */
+/* 1 if the backend may draw into images directly, because no stage follows. */
 static int may_draw(const tides_renderer *renderer) {
     return renderer->backend->type->draws && !renderer->psf.radius && !renderer->colour_filter;
 }
 
-/* A frame that may hold values that aren't finite. */
+/* Draws a frame. *nonfinite becomes 1 if it may hold a value that isn't finite. */
 static tides_status draw(tides_renderer *renderer, const tides_trajectory *camera, double time, int outputs,
                          const tides_frame *frame, int *nonfinite, tides_error *error) {
     td_request *requests = request_all(renderer, error);
@@ -102,7 +102,7 @@ tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory 
     if (may_draw(renderer)) {
         tides_status drawn = draw(renderer, camera, time, outputs, frame, &nonfinite, error);
         if (drawn != TIDES_OK || !nonfinite) return drawn;
-    } /* else tile by tile, which finds the pixel and says why */
+    } /* otherwise by tiles, which finds the pixel and the cause */
     tides_status status = td_renderer_all_tiles(renderer, camera, time, outputs, &planes, error);
     for (int c = 0; c < TIDES_CHANNELS && status == TIDES_OK; c++)
         if (frame->plane[c]) td_renderer_assemble(renderer, planes, plane_of(c, outputs), outputs, frame->plane[c]);

@@ -1,12 +1,12 @@
-/* Rows of single Gaussians at a time, on the host in double precision. Gaussians that a motion moves have their rows from the
- * backend; the others from the store. */
+/* Rows of single Gaussians at one time, on the host in double. Rows of Gaussians that move by themselves come from the
+ * backend, others from the store. */
 #include "td_renderer.h"
 
 #include <stdlib.h>
 
 enum { ROWS_AT_ONCE = 4096 };
 
-/* Gaussian `gaussian` is wanted as row `place`. */
+/* Gaussian `gaussian` goes to row `place`. */
 typedef struct wanted {
     int gaussian, place;
 } wanted;
@@ -16,8 +16,8 @@ static int by_gaussian(const void *a, const void *b) {
     return x->gaussian < y->gaussian ? -1 : x->gaussian > y->gaussian;
 }
 
-/* Rows of Gaussians that move by themselves, wants[0 .. count) in ascending order, to geometry. `lists` is room for 2 x
- * ROWS_AT_ONCE numbers. */
+/* Fetches rows of Gaussians that move by themselves; wants[0 .. count) is ascending. `lists` is scratch memory for
+ * 2 x ROWS_AT_ONCE numbers. */
 static tides_status take_moved(tides_renderer *r, const wanted *wants, int count, double time, int *lists, td_moved_rows *moved,
                                double *geometry, tides_error *error) {
     int *gaussians = lists, *rows = lists + ROWS_AT_ONCE;

@@ -1,20 +1,20 @@
 /* A colour filter array (tides_image_params.colour_filter): each pixel sees one channel of light, by its place in cells of 2x2.
  *
- * A renderer with a filter is that of red, with renderers of green and blue beside it: each is a renderer as it would be alone
- * with that channel for luminance, and a pixel's planes are taken from its own channel's. So values, rates, record paths, exact
- * points and optics (which blur each channel before the filter) are what they are without a filter, to the bit, at three times
- * the cost. The three channels' demands on steps are joined: how far splats travel, and the errors of paths.
+ * With a filter there are three renderers: that of red, and those of green and blue beside it. Each works as without a
+ * filter, with its channel as luminance, and a pixel's planes come from its own channel. So values, rates, record paths,
+ * exact points and optics (each channel is blurred before the filter) are the same as without a filter, to the bit, at three
+ * times the cost. Demands on steps are joined: travel of splats, and errors of paths.
  *
- * One renderer with three luminances for each splat would project and sort once, but every kernel that a splat's luminance goes
- * through (records, paths, points, their misfits) would be there twice, and compositing, most of a sample, is three times as
- * much light either way. */
+ * One renderer with three luminances per splat would project and sort only once. But each kernel that handles a splat's
+ * luminance would be needed twice (records, paths, points, misfits). And compositing, most of a sample's cost, is three times
+ * as much either way. */
 #include "td_renderer.h"
 
 #include <stdlib.h>
 
 enum { RED = 0, GREEN = 1, BLUE = 2, CELL = 2 };
 
-/* Channels of a cell, row by row, of each TIDES_FILTER_*. */
+/* Channels of a 2x2 cell, row by row, for each TIDES_FILTER_*. */
 static const uint8_t cells[][CELL * CELL] = {[TIDES_FILTER_RGGB] = {RED, GREEN, GREEN, BLUE},
                                              [TIDES_FILTER_GRBG] = {GREEN, RED, BLUE, GREEN},
                                              [TIDES_FILTER_GBRG] = {GREEN, BLUE, RED, GREEN},
@@ -22,7 +22,7 @@ static const uint8_t cells[][CELL * CELL] = {[TIDES_FILTER_RGGB] = {RED, GREEN, 
 
 int32_t tides_colour_filter_channel(int32_t filter, int32_t x, int32_t y) {
     if (filter <= TIDES_FILTER_OFF || filter > TIDES_FILTER_BGGR) return -1;
-    return cells[filter][(y & 1) * CELL + (x & 1)]; /* negative ones, too */
+    return cells[filter][(y & 1) * CELL + (x & 1)]; /* also for negative x and y */
 }
 
 static int channel_of(const tides_renderer *renderer, int x, int y) {
@@ -73,7 +73,7 @@ void td_mosaic_release(tides_renderer *renderer) {
 
 /* -- tiles ----------------------------------------------------------------------------------------------------------------- */
 
-/* One channel's pixels of requested tiles, out of `from`; (0, 0) of a tile is (0, 0) of a cell. */
+/* Copies one channel's pixels of the requested tiles out of `from`. Tiles begin at even pixels, so cells never cross tiles. */
 static void take_pixels(int filter, int channel, const td_tile_batch *batch, const double *from, double *planes) {
     const size_t all = (size_t)batch->count * (size_t)batch->outputs * TD_TILE_PIXELS;
     for (int y = 0; y < TD_TILE; y++)
@@ -99,7 +99,7 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
 
 /* -- points ---------------------------------------------------------------------------------------------------------------- */
 
-/* Points of one channel, and then their values back to where they came from. */
+/* Collects the points of one channel; put_values copies their values back to their places. */
 static size_t pick_points(const tides_renderer *renderer, int channel, const td_point *points, size_t count, td_point *own) {
     size_t found = 0;
     for (size_t i = 0; i < count; i++)
@@ -132,7 +132,7 @@ tides_status td_mosaic_points(tides_renderer *renderer, td_look_up *look_up, con
 
 /* -- statistics ------------------------------------------------------------------------------------------------------------ */
 
-/* Work adds up; what there is (Gaussians, tiles) doesn't. */
+/* Adds up work; numbers of Gaussians and tiles are the same in all channels. */
 static void add(const tides_render_stats *other, tides_render_stats *stats) {
     stats->tile_jobs += other->tile_jobs;
     stats->blocks += other->blocks;
@@ -157,7 +157,7 @@ static void add(const tides_render_stats *other, tides_render_stats *stats) {
 }
 
 void td_mosaic_add_stats(const tides_renderer *renderer, tides_render_stats *stats) {
-    tides_render_stats others; /* whose renderer adds those beside it */
+    tides_render_stats others; /* it adds those of the renderer beside it */
     if (!renderer->beside) return;
     tides_renderer_stats(renderer->beside, &others);
     add(&others, stats);

@@ -1,4 +1,4 @@
-/* Room for rows of Gaussians that a backend has moved. */
+/* Memory for rows of Gaussians that a backend has moved. */
 #include "td_backend.h"
 
 #include <stdlib.h>

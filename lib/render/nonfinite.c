@@ -1,5 +1,5 @@
-/* Pixels that come out infinite, or not a number: an error that says where, when, and because of which splat. Kernels show a
- * splat that they can't hold in every pixel that it isn't hidden from (td_shape.broken), so that none goes by unseen. */
+/* Refuses pixels that are infinite or NaN, with an error that says where, when, and because of which splat. Kernels show a
+ * splat whose numbers overflow in every pixel that it isn't hidden from (td_shape.broken), so that none is missed. */
 #include "td_renderer.h"
 
 #include "td_math.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Not 0 where one of the values isn't finite. Sums of x - x, a few side by side: one addition after the other would wait. */
+/* Not 0 if a value isn't finite. It sums x - x in a few independent sums, because each addition waits for the one before. */
 static int any_nonfinite(const double *values, size_t count) {
     enum { ABREAST = 8 };
     double sum[ABREAST] = {0}, all = 0;
@@ -17,7 +17,7 @@ static int any_nonfinite(const double *values, size_t count) {
     return !(all == 0);
 }
 
-/* Not 0 where a value of the tile's blocks that were asked for isn't finite; other blocks hold anything. */
+/* Not 0 if a value in one of the requested blocks isn't finite; other blocks are undefined. */
 static int any_nonfinite_block(const double *planes, int outputs, int blocks) {
     int found = 0;
     if (blocks == TD_ALL_BLOCKS) return any_nonfinite(planes, (size_t)outputs * TD_TILE_PIXELS);
@@ -27,7 +27,7 @@ static int any_nonfinite_block(const double *planes, int outputs, int blocks) {
     return found;
 }
 
-/* The first such pixel of these blocks in the image, row by row; adds them up. 0 where there's none. */
+/* Finds the first such pixel of these blocks within the image, row by row, and counts all; 0 if there is none. */
 static int find_pixel(const tides_renderer *renderer, int tile, int blocks, const double *planes, int outputs, int place[3],
                       uint64_t *count) {
     const int x0 = tile % renderer->candidates.tiles_x * TD_TILE, y0 = tile / renderer->candidates.tiles_x * TD_TILE;
@@ -45,7 +45,7 @@ static int find_pixel(const tides_renderer *renderer, int tile, int blocks, cons
     return found;
 }
 
-/* The first splat of the last job, front to back, whose record isn't finite: its place among the tile's candidates, or -1. */
+/* Finds the frontmost splat of the last job whose record isn't finite: its place among the tile's candidates, or -1. */
 static tides_status find_splat(tides_renderer *renderer, int candidates, int *splat, tides_error *error) {
     const size_t count = (size_t)candidates;
     td_stages stages = {.records = candidates};
@@ -66,7 +66,7 @@ static tides_status find_splat(tides_renderer *renderer, int candidates, int *sp
     return status;
 }
 
-/* "Gaussian 99 of object 0 ('room') ...", or what else may be the cause. */
+/* Describes the cause: "Gaussian 99 of object 0 ('room') ...", or other possible causes. */
 static tides_status describe_cause(tides_renderer *renderer, const tides_trajectory *camera, double time, int side, int tile,
                                    char *text, size_t size, tides_error *error) {
     const int first = renderer->candidates.first[tile], count = renderer->candidates.first[tile + 1] - first;
@@ -76,7 +76,7 @@ static tides_status describe_cause(tides_renderer *renderer, const tides_traject
     tides_status status = planes ? TIDES_OK : TIDES_NO_MEMORY;
     int splat = -1;
     snprintf(text, size, "no single splat of it is, so that their sum, or the background, must be too large");
-    if (status == TIDES_OK && count > 0) /* the tile by itself, so that its records are what the backend still has */
+    if (status == TIDES_OK && count > 0) /* renders the tile alone, so that the backend still has its records */
         status = td_renderer_raw_tiles(renderer, camera, &alone, planes, NULL, error);
     if (status == TIDES_OK && count > 0) status = find_splat(renderer, count, &splat, error);
     free(planes);
@@ -118,7 +118,7 @@ tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_traj
     if (worst < 0) return TIDES_OK;
     renderer->stats.pixels_nonfinite += pixels;
     char cause[400];
-    const double time = batch->times[requests[worst].slot]; /* since the epoch */
+    const double time = batch->times[requests[worst].slot]; /* seconds after the epoch */
     tides_status status = describe_cause(renderer, camera, time, batch->side, requests[worst].tile, cause, sizeof cause, error);
     if (status != TIDES_OK) return status;
     return td_fail(error, TIDES_BAD_ARGUMENT, "%s of pixel (%d, %d) is %s at %.15g s, one of %llu that aren't finite: %s",

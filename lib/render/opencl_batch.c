@@ -1,4 +1,4 @@
-/* Transfers of a batch to an OpenCL device and back, all at once, so that only their end is waited for. */
+/* Copies a batch to an OpenCL device and its results back. All transfers are queued, and only the end is waited for. */
 #include "td_opencl.h"
 #include "td_wide.h"
 
@@ -9,7 +9,8 @@ static size_t count_blocks(const td_batch *batch) {
     return count;
 }
 
-/* Keys of a sort, two for each candidate: on a CPU of each group that takes jobs, whose longest then fits. */
+/* Sets the places of sort keys, two for each candidate. On a CPU each work-group that takes jobs has its own, with room for
+ * the longest list. */
 static void lay_keys(const opencl_backend *b, const td_batch *batch, td_staging *s) {
     size_t longest = 0;
     for (int i = 0; i < batch->job_count; i++)
@@ -82,7 +83,7 @@ tides_status td_opencl_reserve_batch(opencl_backend *b, const td_batch *batch, t
     return TIDES_OK;
 }
 
-/* Jobs are renumbered, so that output k of this launch is job k. */
+/* Sends a batch. Jobs are renumbered, so that output k of this launch is job k. */
 tides_status td_opencl_send_batch(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error) {
     size_t jobs = (size_t)batch->job_count;
     for (size_t i = 0; i < s->view_reals; i++) s->views[i] = (float)batch->views[i];
@@ -119,7 +120,7 @@ tides_status td_opencl_fetch_batch(opencl_backend *b, const td_batch *batch, td_
     return status;
 }
 
-/* Each block to its place in its tile's planes, widened. */
+/* Copies each block to its place in its tile's planes, as doubles. */
 TD_WIDE static void place_planes(const td_batch *batch, const td_staging *s, double *planes) {
     size_t outputs = (size_t)batch->outputs;
     for (size_t i = 0; i < s->asked_count; i++) {
@@ -131,7 +132,7 @@ TD_WIDE static void place_planes(const td_batch *batch, const td_staging *s, dou
     }
 }
 
-/* One plane of the block at (x, y), as far as it is in the image. */
+/* Draws a plane of the block at (x, y), as far as it is within the image. */
 static inline void draw_block(const td_pictures *to, double *plane, int x, int y, const float *from) {
     const int across = to->width - x < TD_BLOCK ? to->width - x : TD_BLOCK;
     const int down = to->height - y < TD_BLOCK ? to->height - y : TD_BLOCK;
@@ -144,7 +145,7 @@ static inline void draw_block(const td_pictures *to, double *plane, int x, int y
     }
 }
 
-/* Each block to its place in images. Returns a number that is 0 but where some value isn't finite. */
+/* Draws each block into images. Returns 0 if all values are finite. */
 TD_WIDE static float draw_planes(const td_batch *batch, const td_staging *s, const td_pictures *to) {
     float wrong[TD_BLOCK_PIXELS] = {0}, all = 0;
     const float *from = s->planes;
@@ -168,7 +169,7 @@ void td_opencl_place_batch(const td_batch *batch, const td_staging *s, double *p
         batch->pictures->nonfinite = 1;
 }
 
-/* Splats per job, whether they were in order, and pairs per work-item. */
+/* Adds to the statistics: splats per job, whether lists were in order, pairs per work-item. */
 void td_opencl_add_counts(opencl_backend *b, const td_batch *batch, const td_staging *s) {
     tides_render_stats *stats = &b->base.stats;
     for (size_t i = 0; i < s->blended_count; i++)

@@ -1,9 +1,9 @@
-/* The renderer's kernels, each built for what it looks at of the image's decisions and no more. */
+/* Builds the renderer's kernels, each only for those decisions of the image that its code uses. */
 #include "td_opencl.h"
 
 #include <stdlib.h>
 
-/* The image's decisions that kernels are built for (choices.h). */
+/* The image's decisions for which kernels are built. */
 enum {
     BY_SH = 1,
     BY_ANTIALIAS = 2,
@@ -20,8 +20,8 @@ enum {
     BY_PROJECTION = BY_SH | BY_ANTIALIAS | BY_CUT | BY_EXTENT | BY_MOVING | BY_SOFT_ORDER | BY_LENS
 };
 
-/* Which of them a program looks at. It isn't built for others, since drivers cache builds by their text: the tests' 44 sorts
- * were one, compiled again for each degree of harmonics. A file that isn't listed is built for every choice. */
+/* The decisions that a program uses. Drivers cache builds by their text, so a superfluous decision would compile the same
+ * code again: 44 builds of sort in the tests were one program. A file that isn't listed is built for every decision. */
 static int decisions_of(const char *files) {
     static const struct {
         const char *files;
@@ -37,7 +37,7 @@ static int decisions_of(const char *files) {
     return BY_ALL;
 }
 
-/* DESIGN 3.6: what is off costs nothing. */
+/* The decisions as #defines: code for what is off isn't compiled. */
 char *td_opencl_defines(const char *files, const td_image *image, int outputs, tides_error *error) {
     const struct {
         const char *name;

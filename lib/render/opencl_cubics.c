@@ -1,9 +1,9 @@
-/* Rows between others on an OpenCL device, and how far off they are (interpolate.h). */
+/* Rows interpolated between other rows on an OpenCL device, and misfits, the errors of interpolation. */
 #include "td_opencl.h"
 
 enum { TERM_REALS = 3 + TD_CUBIC_REALS };
 
-/* td_misfit_terms as the device has it. */
+/* td_misfit_terms in the device's precision. */
 typedef struct device_terms {
     cl_float real[TERM_REALS]; /* duration, tolerance, time_tolerance, middle */
     cl_int moves_sh;
@@ -73,7 +73,7 @@ tides_status td_opencl_misfits(td_backend *backend, const td_misfit_request *req
     return status;
 }
 
-/* A job and a request without Gaussians: drivers such as PoCL compile when a kernel first runs. */
+/* Runs a job and a request without Gaussians: drivers such as PoCL compile when a kernel first runs. */
 static tides_status warm_up(opencl_backend *b, tides_error *error) {
     static const td_cubic_job nothing = {0, 0, 0, 0, 0, 0, 0, 0};
     static const double zeros[TD_CUBIC_REALS] = {0};

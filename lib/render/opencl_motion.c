@@ -1,10 +1,10 @@
-/* Gaussians that move by themselves, on an OpenCL device: a launch per model, from a batch's moments to rows of dynamic
- * Gaussians. */
+/* Motion models on an OpenCL device: a launch per model computes the rows of Gaussians that move by themselves, at a batch's
+ * times. */
 #include "td_opencl.h"
 
 #include <stdlib.h>
 
-/* The movers in the device's precision. */
+/* Copies the movers in the device's precision. */
 static tides_status write_movers(opencl_backend *b, const td_movers *movers, tides_error *error) {
     td_mover *made = td_alloc((size_t)movers->count, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
@@ -29,7 +29,7 @@ static tides_status make_kernel(opencl_backend *b, const td_move_kind *kind, cl_
     return status;
 }
 
-/* Jobs [first, end) of one kind. */
+/* Launches jobs [first, end) of one kind. */
 static tides_status launch_kind(opencl_backend *b, int kind, int first, int end, tides_error *error) {
     size_t local = td_opencl_group_size(b), global = (size_t)(end - first) * local;
     cl_int sh_stride = b->image.sh_stride, first_row = b->gaussians, first_job = first;
@@ -49,7 +49,7 @@ static tides_status launch_kind(opencl_backend *b, int kind, int first, int end,
     return td_launch(b->device, b->motion.move_kernel[kind], 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
-/* A job without Gaussians: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time. */
+/* Runs a job without Gaussians: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time. */
 static tides_status warm_up(opencl_backend *b, tides_error *error) {
     static const td_move_job nothing = {0, 0, 0, 0, 0, {0}};
     tides_status status = td_buffer_write(b->device, &b->motion.move_jobs, &nothing, sizeof nothing, error);
@@ -67,7 +67,7 @@ tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers,
     b->motion.kinds = movers->kinds;
     b->motion.moves_sh = movers->moves_sh;
     tides_status status =
-        td_buffer_reserve(b->device, &b->motion.owners, 2 * sizeof(cl_int), error); /* kernels want an argument */
+        td_buffer_reserve(b->device, &b->motion.owners, 2 * sizeof(cl_int), error); /* a kernel needs an argument */
     if (status != TIDES_OK || movers->count == 0) return status;
     b->motion.move_kernel = td_alloc((size_t)movers->kinds, sizeof *b->motion.move_kernel, error);
     if (!b->motion.move_kernel) return TIDES_NO_MEMORY;
@@ -91,7 +91,7 @@ void td_opencl_motion_release(opencl_backend *b) {
     free(b->motion.move_kernel);
 }
 
-/* Room for rows of dynamic Gaussians up to row `end`, keeping what is there. */
+/* Makes room for moved rows up to row `end`, and keeps existing ones. */
 static tides_status grow_rows(opencl_backend *b, size_t end, tides_error *error) {
     size_t rows = end - (size_t)b->gaussians, row = TD_GEOMETRY_STRIDE * sizeof(cl_float);
     size_t sh = b->motion.moves_sh ? (size_t)b->image.sh_stride * sizeof(cl_float) : 0;
@@ -149,7 +149,7 @@ tides_status td_opencl_move(td_backend *backend, const td_move_batch *moves, tid
     return status;
 }
 
-/* Numbers from `first` on of a buffer of floats. */
+/* Reads numbers of a buffer of floats, from `first` on. */
 static tides_status read_reals(opencl_backend *b, const td_buffer *buffer, size_t first, double *to, size_t count,
                                tides_error *error) {
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, count, sizeof *b->host, error);

@@ -1,27 +1,27 @@
-/* Records that tiles of one time share, on an OpenCL device (kernels/share.h): which times of a batch are worth it, and making
- * them. Sharing changes no bit of the results. */
+/* Shared records on an OpenCL device: where it pays, each Gaussian is projected once for all tiles of a time. It doesn't
+ * change a bit of the results. */
 #include "td_opencl.h"
 
 #include <stdlib.h>
 
-/* Rows that may be kept, one for each Gaussian that is in some list and time: 64 MB of records and as much beside them. One
- * time may have more. */
+/* Largest number of shared rows, one for each Gaussian in a list and time: 64 MB of records, and as much beside them. A
+ * single time may have more. */
 enum { ROWS_MOST = 1 << 20 };
 
-/* Candidates of each slot's jobs, to `asked`. */
+/* Counts the candidates of each slot's jobs. */
 static void count_candidates(const td_batch *batch, int *asked) {
     for (int i = 0; i < batch->slots; i++) asked[i] = 0;
     for (int i = 0; i < batch->job_count; i++) asked[batch->jobs[i].slot] += batch->jobs[i].count;
 }
 
-/* Whether so many candidates are worth projecting so many rows once. For twice as many it takes 0.8 of the time without
- * harmonics (guitar of 20 000, 346x260), for 14 times as many 0.2 (demo, 1280x720); with harmonics less. */
+/* 1 if projecting `rows` Gaussians once is faster than projecting `candidates`. Without SH, twice as many candidates take 0.8
+ * of the time (guitar of 20 000, 346x260), and 14 times as many 0.2 (demo, 1280x720); with SH less. */
 static int pays(const opencl_backend *b, int candidates, int rows) {
     const double from = b->image.sh_degree > 0 ? 1 : 1.5;
     return candidates > from * rows;
 }
 
-/* From counts of candidates to td_job.shared of each slot, and the slots that are shared to `slots`: returns how many. */
+/* Sets td_job.shared of each slot in `as`, from counts of candidates. Returns the number of shared slots, listed in `slots`. */
 static int choose(const opencl_backend *b, const td_batch *batch, int *as, int *slots) {
     const int rows = batch->groups->count * TD_PAD, room = rows > 0 ? ROWS_MOST / rows : 1, most = room > 1 ? room : 1;
     int count = 0;
@@ -37,7 +37,7 @@ tides_status td_opencl_choose_shared(opencl_backend *b, const td_batch *batch, t
     const size_t slots = (size_t)batch->slots;
     s->shared = 0;
     for (int i = 0; i < batch->job_count; i++) s->jobs[i].shared = 0;
-    if (!batch->groups || batch->outputs == TD_OUT_TRUTH) return TIDES_OK; /* surfaces are the jobs' own */
+    if (!batch->groups || batch->outputs == TD_OUT_TRUTH) return TIDES_OK; /* each job needs its own surfaces */
     tides_status status =
         td_reserve((void **)&b->share.share_ints, &b->share.share_ints_capacity, 2 * slots, sizeof *b->share.share_ints, error);
     if (status != TIDES_OK) return status;
@@ -51,7 +51,7 @@ tides_status td_opencl_choose_shared(opencl_backend *b, const td_batch *batch, t
     return TIDES_OK;
 }
 
-/* Which groups there are, and where each one's rows are. */
+/* Sends the groups, and the place of each one's rows. */
 static tides_status send_groups(opencl_backend *b, const td_batch *batch, tides_error *error) {
     const td_groups *groups = batch->groups;
     const size_t all = (size_t)b->gaussians / TD_PAD;
@@ -71,7 +71,7 @@ static tides_status send_groups(opencl_backend *b, const td_batch *batch, tides_
 
 static tides_status launch(opencl_backend *b, cl_kernel kernel, int groups, int slots, const td_argument *arguments,
                            cl_uint argument_count, cl_event *event, tides_error *error) {
-    const size_t lanes = (size_t)b->device->info.lanes, each = lanes > 1 ? TD_SHARE_MANY * lanes : 1; /* share.h */
+    const size_t lanes = (size_t)b->device->info.lanes, each = lanes > 1 ? TD_SHARE_MANY * lanes : 1; /* as in share.h */
     const size_t items = groups > 0 ? ((size_t)groups * TD_PAD + each - 1) / each : 1;
     const size_t local[2] = {td_opencl_group_size(b), 1};
     const size_t global[2] = {(items + local[0] - 1) / local[0] * local[0], (size_t)slots};
@@ -91,7 +91,7 @@ static tides_status launch_records(opencl_backend *b, int colours, int groups, i
     return launch(b, b->share.share_kernel[colours], groups, slots, TD_ARGUMENTS(arguments), event, error);
 }
 
-/* Drivers such as PoCL compile when a kernel first runs: one of no groups. */
+/* Makes the kernel and runs it on no group: drivers such as PoCL compile when a kernel first runs. */
 static tides_status make_kernel(opencl_backend *b, const td_batch *batch, tides_error *error) {
     const int colours = batch->outputs >= TD_OUT_COLOUR;
     cl_kernel *kernel = &b->share.share_kernel[colours];
@@ -105,7 +105,7 @@ static tides_status make_kernel(opencl_backend *b, const td_batch *batch, tides_
     return status;
 }
 
-/* Room for what is shared; kernels want an argument where nothing is. */
+/* Makes room for shared records; without any, a kernel still needs arguments. */
 static tides_status reserve_shared(opencl_backend *b, const td_batch *batch, const td_staging *s, tides_error *error) {
     const size_t rows = s->shared > 0 ? (size_t)s->shared * (size_t)batch->groups->count * TD_PAD : 1;
     td_image image = b->image;

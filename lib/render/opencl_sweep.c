@@ -1,9 +1,9 @@
-/* Sweeps on an OpenCL device (kernels/sweep.h): boxes and travel of the Gaussians over an interval. */
+/* Sweeps on an OpenCL device: boxes and travel of the Gaussians over an interval. */
 #include "td_opencl.h"
 
 #include <stdlib.h>
 
-/* Views, strays and rows of a sweep to the device, and room for its results. */
+/* Sends views, strays and rows of a sweep, and makes room for its results. */
 static tides_status send_interval(opencl_backend *b, const td_sweep_request *request, tides_error *error) {
     int times = td_sweep_times(request->level);
     size_t bytes = (size_t)b->gaussians * sizeof(cl_float), strays = (size_t)b->objects * TD_STRAY_REALS;
@@ -27,8 +27,8 @@ static tides_status send_interval(opencl_backend *b, const td_sweep_request *req
     return status;
 }
 
-/* `width` numbers of each Gaussian of groups that were swept, from `far` to where they belong in `to`. A device with memory of
- * its own is asked once for all between the first and the last: each question takes as long as thousands of numbers. */
+/* Reads `width` numbers of each Gaussian of the swept groups, from `far` to their places in `to`. From a device with its own
+ * memory, all between the first and the last group is read at once, since each read costs as much as thousands of numbers. */
 static tides_status read_groups(opencl_backend *b, const td_groups *groups, const td_buffer *far, size_t width, float *to,
                                 tides_error *error) {
     const size_t each = TD_PAD * width * sizeof *to, first = (size_t)groups->number[0];
@@ -51,7 +51,7 @@ static tides_status read_groups(opencl_backend *b, const td_groups *groups, cons
     return status;
 }
 
-/* Reads back the part that was swept. */
+/* Reads back the results of the swept part. */
 static tides_status read_swept(opencl_backend *b, const td_sweep_request *request, const td_buffer *far, size_t width,
                                float *to, tides_error *error) {
     const size_t each = width * sizeof *to, count = (size_t)(request->end - request->begin);
@@ -70,7 +70,7 @@ tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *reques
     cl_int swept = request->groups ? request->groups->count * TD_PAD : end - begin;
     cl_int in_groups = request->groups != NULL;
     cl_int first_rate = b->first_rate, first_moved = b->gaussians;
-    /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */
+    /* A local size is always given. Otherwise PoCL takes a divisor of the count, and compiles again for every scene. */
     size_t local = td_opencl_group_size(b), groups = (size_t)(swept / b->device->info.lanes);
     size_t global = (groups + local - 1) / local * local;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->scene.image_buffer),

@@ -1,7 +1,7 @@
-/* Ground truth on an OpenCL device (kernels/truth.cl): in place of compositing, after a batch's projection and sort. */
+/* Ground truth on an OpenCL device: replaces compositing after a batch's projection and sort. */
 #include "td_opencl.h"
 
-/* The arrays are there from the first batch on that asks. */
+/* Makes room for surfaces; the first batch of ground truth allocates them. */
 static tides_status reserve_surfaces(opencl_backend *b, const td_batch *batch, tides_error *error) {
     const size_t bytes = (size_t)(batch->records > 0 ? batch->records : 1) * TD_RECORD_STRIDE * sizeof(cl_float);
     tides_status status = td_buffer_reserve(b->device, &b->truth.surfaces, bytes, error);

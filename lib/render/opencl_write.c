@@ -1,4 +1,4 @@
-/* The start of every launch of the OpenCL backend: work-groups for its jobs, their turns, and arrays of reals sent to it. */
+/* Helpers for launches of the OpenCL backend: number of work-groups, counters by which they take jobs, and arrays of reals. */
 #include "td_opencl.h"
 
 size_t td_opencl_takers(const opencl_backend *b, int jobs) {

@@ -1,10 +1,10 @@
-/* The planes of images and of ground truth: their public names, and their places among a backend's. */
+/* Planes of images and of ground truth: their public names, and their indices in a backend's output. */
 #include "td_renderer.h"
 #include "tides/truth.h"
 
 #include <string.h>
 
-/* Each channel's name, and where it is among a backend's planes: the one table of both, so that they can't part. */
+/* Each channel's name, and its index among a backend's planes. */
 static const struct channel {
     const char *name;
     int plane;
@@ -36,7 +36,7 @@ const char *td_plane_name(int plane) {
     return NULL;
 }
 
-/* Each plane's name, and where it is among a backend's: the one table of both. */
+/* Each ground truth's name, and its index among a backend's planes. */
 static const struct truth {
     const char *name;
     int plane;

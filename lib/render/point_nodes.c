@@ -12,12 +12,12 @@
 #include <stdlib.h>
 
 enum {
-    WHOLE_LEVEL = 3,     /* the interval stays whole where that is enough for half of all */
-    MOST_LEVEL = 5,      /* 32 curves a piece: the error falls by 16^5 */
-    MOST_ROWS = 1 << 21, /* where there are several pieces: 256 MB */
-    MOST_SPLIT = 3,      /* slices of a whole interval, as a power of two, */
-    MOST_SLICES = 8,     /* and of one in pieces */
-    FEW_BENT = 64,       /* so many that move, of which one may be off by more than it should */
+    WHOLE_LEVEL = 3,     /* the interval stays one piece if this level is enough for half of all Gaussians */
+    MOST_LEVEL = 5,      /* 32 curves per piece: the error falls by 16^5 */
+    MOST_ROWS = 1 << 21, /* limit for several pieces: 256 MB */
+    MOST_SPLIT = 3,      /* log2 of the slices of an interval of one piece */
+    MOST_SLICES = 8,     /* slices of an interval of several pieces */
+    FEW_BENT = 64,       /* one in so many moving Gaussians may have too large an error */
     GROUP = 1 << 15,     /* Gaussians that are made together: so many are made at once, whoever asks */
     SOME = 1 << 12       /* of more, so many tell what pieces all have */
 };
@@ -98,7 +98,7 @@ static tides_status add_knot(td_point_nodes *nodes, double time, tides_error *er
     return status;
 }
 
-/* The samples of a path within the interval, where its curve may bend. */
+/* Adds the samples of a path within the interval as knots, since the curve may bend there. */
 static tides_status add_samples(td_point_nodes *nodes, const tides_trajectory *path, double epoch, double start, double stop,
                                 tides_error *error) {
     tides_status status = TIDES_OK;
@@ -113,16 +113,16 @@ static tides_status add_samples(td_point_nodes *nodes, const tides_trajectory *p
     return status;
 }
 
-/* The interval as one piece. */
+/* Makes the interval one piece. */
 static tides_status begin_whole(td_point_nodes *nodes, double start, double stop, tides_error *error) {
-    nodes->pieces = 0; /* knots, until they are in order */
+    nodes->pieces = 0; /* counts knots until they are sorted */
     tides_status status = add_knot(nodes, start, error);
     if (status == TIDES_OK) status = add_knot(nodes, stop, error);
     nodes->pieces = 1;
     return status;
 }
 
-/* Cuts it where paths may bend: the pieces are between knots, each once, in order. */
+/* Cuts the interval at the knots, where paths may bend. */
 static tides_status cut(const tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                         td_point_nodes *nodes, tides_error *error) {
     tides_status status = begin_whole(nodes, start, stop, error);
@@ -153,8 +153,8 @@ static tides_status too_many(const td_point_nodes *nodes, tides_error *error) {
                    nodes->knot[nodes->pieces] - nodes->knot[0]);
 }
 
-/* The level that a Gaussian begins with, so that no curve has it go further than its own diameter: what comes back between two
- * nodes, or is over, shows in neither. Above MOST_LEVEL where none is enough. */
+/* A Gaussian's first level. No curve may be longer than the Gaussian's diameter: what happens and returns between two nodes
+ * would show at neither. Above MOST_LEVEL if no level is enough. */
 static int first_level(const tides_renderer *renderer, const td_point_nodes *nodes, int gaussian) {
     int level = 1;
     while (level <= MOST_LEVEL && renderer->sweep.travel[gaussian] > (double)((int64_t)nodes->pieces << level)) level++;
@@ -201,7 +201,7 @@ static tides_status begin_group(const tides_renderer *renderer, td_point_nodes *
     return TIDES_OK;
 }
 
-/* Gives a Gaussian rows of the next level. */
+/* Gives Gaussian i rows of the next level. */
 static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
     const int level = ++nodes->level[i];
     const int64_t rows = (int64_t)nodes->rows + ((int64_t)nodes->pieces << level) + 1;
@@ -216,40 +216,43 @@ static const td_dynamic_object *moved_by(const tides_renderer *renderer, const t
     return td_dynamic_object_of(&renderer->dynamic, nodes->gaussians[i]);
 }
 
-/* The error that the rows of Gaussian i allow its paths. Rows that a motion model moves are in the backend's precision. */
+/* The allowed error of Gaussian i's paths. Rows from a motion model have the backend's precision, so they may have a larger
+ * one. */
 static double target_of(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
     return moved_by(renderer, nodes, i) && !td_renderer_is_double(renderer) ? TD_POINT_PATH_MOVED : TD_POINT_PATH_TARGET;
 }
 
-/* A smooth path's error falls by so much with each level. */
+/* A smooth path's error falls by this factor per level. */
 static const double falls = 16;
 
-/* 1 where Gaussian i may be projected for each pixel that sees it. An expensive motion may not: it costs a hundred times as
- * much as a cubic, and a network has kinks anywhere. */
+/* 1 if Gaussian i may be projected at each point's own time instead of having curves. An expensive motion may not: a row
+ * costs a hundred times as much as a cubic, and a network has kinks anywhere. */
 static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
     const td_dynamic_object *object = moved_by(renderer, nodes, i);
     return !object || !object->expensive;
 }
 
-/* Chooses the level of Gaussian i, by the error in the middle of the cubics of the level before (number k of the fit). Its
- * level is enough where a sixteenth of the worst error is; at the last level it may have a kink. A Gaussian whose error can't
- * be computed at all crosses the near plane. It has faded where its curves can't be used, if they are short. */
+/* Chooses the level of Gaussian i from the error in the middle of the previous level's cubics (number k of the fit). The
+ * level is enough if a sixteenth of the worst error is small enough; at the last level, the path may have a kink. If the
+ * error can't be computed, the Gaussian crosses the near plane; then it has faded where its curves are invalid, if they are
+ * short. */
 static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, int k, tides_error *error) {
     const double target = target_of(renderer, nodes, i), worst = (double)nodes->fit.worst[k] * TD_POINT_PATH_TARGET;
     const int first = first_level(renderer, nodes, nodes->gaussians[i]);
     nodes->moving += worst > 0 && nodes->level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
     if (worst > falls * target && nodes->level[i] < MOST_LEVEL) return refine(nodes, i, error);
     const int is_bent = worst > falls * target;
-    if (nodes->level[i] == 1 && worst <= target) nodes->level[i] = 0; /* with every other row of level 1 */
+    if (nodes->level[i] == 1 && worst <= target) nodes->level[i] = 0; /* its rows are every other row of level 1 */
     const int is_direct = is_bent && may_be_direct(renderer, nodes, i);
     nodes->bent += is_bent;
     nodes->is_direct[i] = (uint8_t)is_direct;
     return TIDES_OK;
 }
 
-/* A row of what an expensive model moves costs a hundred times what a cubic does, and a kink of its path is in one place. So
- * where Gaussian i gets rows of the next level they are those of the cubics that do, and only what is in the middle of a half
- * of one that doesn't is worked out. It is number k of the `tried`, each with so many curves, and its rows are `from` there. */
+/* Selects the curves whose halves need computed rows. A row of an expensive model costs a hundred times as much as a cubic,
+ * and a kink is in one place. So at the next level, rows come from the cubics that are good enough, and only the middles of
+ * halves of other curves are computed. Gaussian i is number k of the `tried`, with `curves` curves each; its rows begin at
+ * `from`. */
 static tides_status open_curves(td_point_nodes *nodes, int i, int k, int from, int tried, int curves, tides_error *error) {
     const float *each = nodes->fit.each + k;
     const size_t flags = (size_t)nodes->open_count + (size_t)curves;
@@ -263,7 +266,7 @@ static tides_status open_curves(td_point_nodes *nodes, int i, int k, int from, i
     return status;
 }
 
-/* Rows of the next level for those whose curves are open. */
+/* Makes rows of the next level by halving, for Gaussians with some open curves. */
 static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *error) {
     if (nodes->halves == 0) return TIDES_OK;
     const td_halve_request request = {nodes->halve_from, nodes->halve_to,     nodes->halves,  level,
@@ -271,7 +274,8 @@ static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *er
     return td_exact_halve(nodes->exact, &request, error);
 }
 
-/* How well the paths of a level do: those of `count` Gaussians, whose first rows are in nodes->tried. `each`: by curve, too. */
+/* Measures the errors of a level's paths, for `count` Gaussians, whose first rows are in nodes->tried. `each`: of every
+ * curve, too. */
 static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int level, int count, int each,
                             tides_error *error) {
     const td_points_misfits request = {nodes->exact, nodes->rows,         nodes->tried,  count,
@@ -286,7 +290,7 @@ static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int
     return status == TIDES_OK ? engine->type->misfits(engine, &request, &fit, error) : status;
 }
 
-/* Compares the paths of a level with those of the level before, and gives the next level to those that need it. */
+/* Compares a level's paths with the previous level's, and gives the next level to Gaussians that need it. */
 static tides_status try_level(const tides_renderer *renderer, td_point_nodes *nodes, td_points_engine *engine, int level,
                               tides_error *error) {
     const int each = td_dynamic_has_expensive(&renderer->dynamic) && level < MOST_LEVEL;
@@ -342,7 +346,7 @@ static tides_status measure_pieces(td_point_nodes *nodes, tides_error *error) {
     return status;
 }
 
-/* Are more than few bent? */
+/* 1 if more than a few Gaussians have too large an error. */
 static int are_bent(const td_point_nodes *nodes) { return FEW_BENT * (int64_t)nodes->bent > nodes->moving; }
 
 /* Rows of the first `count` of those wanted, in the pieces that there are. `bent`: whether others may be had; whether they are
@@ -385,7 +389,7 @@ static tides_status find_cut(tides_renderer *renderer, const tides_trajectory *c
     return find_some(renderer, camera, engine, nodes, &bent, error);
 }
 
-/* Does halving the interval, and its halves, bring cubics nearer to what paths do within it? */
+/* 1 if halving the interval, and its halves, brings the cubics nearer to the paths. */
 static int is_tame(const tides_renderer *renderer) {
     for (int i = 0; i < renderer->store.objects; i++) {
         const double *px = renderer->sweep.strays.px + (size_t)i * TD_STRAY_LEVELS;
@@ -395,9 +399,9 @@ static int is_tame(const tides_renderer *renderer) {
     return 1;
 }
 
-/* Most paths are smooth enough for the interval to be one piece, whatever samples they have within it: then points share
- * curves. Where they aren't, as where a camera turns a corner or shakes, or a lamp flickers, it's cut there. Where that isn't
- * enough, as for what a formula shakes at some kHz, it is halved. */
+/* Most paths are smooth enough for an interval of one piece, even with samples within it; then points share curves. Other
+ * intervals are cut at the samples: a camera turns a corner or shakes, a lamp flickers. If that isn't enough, as for a
+ * formula that shakes at some kHz, the interval is halved. */
 tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error) {
     tides_status status = cut(renderer, camera, span->start, span->stop, nodes, error);

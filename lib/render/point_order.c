@@ -1,12 +1,13 @@
-/* Points of a tile that see the same splats together. */
+/* Orders the points of a tile, so that points near one another in place and time, which see the same splats, are computed
+ * together. */
 #include "td_point_order.h"
 
 #include <string.h>
 
-/* How much a step along each axis counts: all of the interval as much as two pixels. */
+/* Weight of a step along each axis (x, y, time): the whole interval counts as much as two pixels. */
 static const int weight[TD_PLACE_AXES] = {8, 8, 1};
 
-/* The axis along which places are farthest apart; -1: they aren't. */
+/* The axis along which the points are farthest apart; -1: all are equal. */
 static int longest(const td_point_place *places, int count) {
     int axis = -1, most = 0;
     for (int k = 0; k < TD_PLACE_AXES; k++) {
@@ -34,7 +35,7 @@ static void sort_along(int axis, td_point_place *places, td_point_place *room, i
 void td_point_gather(td_point_place *places, td_point_place *room, int count, int lanes) {
     int axis;
     while (count > lanes && (axis = longest(places, count)) >= 0) {
-        const int half = (count / lanes + 1) / 2 * lanes; /* only the last ones of all are fewer than `lanes` */
+        const int half = (count / lanes + 1) / 2 * lanes; /* so that only the very last group has fewer than `lanes` */
         sort_along(axis, places, room, count);
         td_point_gather(places, room, half, lanes);
         places += half;

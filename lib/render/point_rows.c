@@ -1,11 +1,10 @@
-/* Rows of record paths in double precision for single pixels: Gaussians projected at the nodes of a level. For
- * point_nodes.c. */
+/* Rows of record paths in double precision, for points: projects Gaussians at the nodes of a level. */
 #include "td_point_nodes.h"
 #include "td_renderer.h"
 
 #include <stdlib.h>
 
-/* Gaussians of a job: enough for its start, few enough that threads end together. */
+/* Gaussians per job: enough to repay its start, few enough that threads end together. */
 enum { JOB_GAUSSIANS = 256 };
 
 /* -- projection ------------------------------------------------------------------------------------------------------------ */
@@ -21,7 +20,7 @@ static tides_status reserve_entries(td_point_nodes *nodes, size_t more, tides_er
     return status;
 }
 
-/* Fills the last job up to a multiple of TD_PAD with what goes to the row that nobody reads. */
+/* Fills the last job up to a multiple of TD_PAD with entries that write to an unused row. */
 static void end_job(td_point_nodes *nodes) {
     td_node_job *job = &nodes->jobs[nodes->job_count - 1];
     for (; job->count % TD_PAD; job->count++, nodes->entries++) {
@@ -30,15 +29,15 @@ static void end_job(td_point_nodes *nodes) {
     }
 }
 
-/* 1 where node `node` of a level is to be computed for Gaussian i. If only some curves of the level before were open, it must
- * be the middle of a half of an open one. */
+/* 1 if node `node` of a level has to be computed for Gaussian i. If only some curves of the previous level were open, it has
+ * to be the middle of a half of an open one. */
 static int is_wanted(const td_point_nodes *nodes, int i, int level, int node) {
     if (nodes->level[i] != level) return 0;
     return nodes->open_at[i] < 0 || (node % 2 && nodes->open[nodes->open_at[i] + node / 4]);
 }
 
-/* Jobs for node `node`, which is number `slot` of a request, of those of gaussians[from .. end) that want it at a level; `row`
- * (nullable) has the rows of these, where some move by themselves. */
+/* Adds jobs for node `node`, in slot `slot`, of the Gaussians in [from, end) that need it at this level. `row` (may be NULL)
+ * has their moved rows, if some move by themselves. */
 static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nodes, int level, int node, int slot, int from,
                              int end, const int *row, tides_error *error) {
     int open = 0, object = -1, taken = 0;
@@ -65,7 +64,7 @@ static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nod
     return status;
 }
 
-/* Jobs for the next node of what the jobs from `job` on, and entries from `entry` on, are for. */
+/* Adds the same jobs (from `job` on, with entries from `entry` on) for the next node. */
 static tides_status repeat_node(td_point_nodes *nodes, int job, int entry, tides_error *error) {
     const int jobs = nodes->job_count - job, entries = nodes->entries - entry;
     tides_status status = TIDES_OK;
@@ -83,8 +82,8 @@ static tides_status repeat_node(td_point_nodes *nodes, int job, int entry, tides
     return status;
 }
 
-/* Jobs for all nodes of a level, one after the other for so many Gaussians as a job takes: what they are made of, and their
- * rows, are in the cache then. */
+/* Adds jobs for all nodes of a level, one node after the other for as many Gaussians as a job holds: their data then stays in
+ * the cache. */
 static tides_status add_nodes(const tides_renderer *renderer, td_point_nodes *nodes, int level, int slots, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int from = 0, end = 0; from < nodes->count && status == TIDES_OK; from = end) {
@@ -100,14 +99,14 @@ static tides_status add_nodes(const tides_renderer *renderer, td_point_nodes *no
     return status;
 }
 
-/* Node k of a level, counted through all pieces [s after the epoch]. */
+/* Time of node k of a level, counted through all pieces [s after the epoch]. */
 static double node_time(const td_point_nodes *nodes, int level, int k) {
     const int piece = k >> level, part = k & ((1 << level) - 1);
     if (part == 0) return nodes->knot[piece];
     return nodes->knot[piece] + (nodes->knot[piece + 1] - nodes->knot[piece]) * (part / (double)(1 << level));
 }
 
-/* The nodes that there are jobs for, at `slots` times. */
+/* Sends the jobs, with views at `slots` times. */
 static tides_status send(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, const double *times,
                          int slots, tides_error *error) {
     if (nodes->job_count == 0) return TIDES_OK;
@@ -125,12 +124,12 @@ static tides_status send(tides_renderer *renderer, const tides_trajectory *camer
     return td_exact_nodes(nodes->exact, renderer->backend, &request, error);
 }
 
-/* Nodes whose rows are worked out and projected together: a launch costs what a thousand rows do, and more than so many don't
- * stay in caches. */
+/* Limits of what is moved and projected together. A launch costs as much as a thousand rows, and more than so many rows don't
+ * stay in the caches. */
 enum { BATCH_ROWS = 1 << 13, BATCH_SLOTS = 256 };
 typedef struct moved_batch {
-    int *wanted, *row; /* (Gaussians) of a node, and their rows */
-    int limit;         /* rows */
+    int *wanted, *row; /* (Gaussians) of a node; their rows */
+    int limit;         /* limit of rows */
     int slots;
     double time[BATCH_SLOTS];
 } moved_batch;
@@ -148,7 +147,7 @@ static tides_status end_batch(tides_renderer *renderer, const tides_trajectory *
     return status;
 }
 
-/* One node of gaussians[from .. end), some of which move by themselves, as a slot of the batch. */
+/* Adds one node of the Gaussians in [from, end), some of which move by themselves, as a slot of the batch. */
 static tides_status add_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
                               int node, int from, int end, moved_batch *batch, tides_error *error) {
     const int is_last = node == nodes->pieces << level, padding = TD_PAD * renderer->store.objects;
@@ -167,7 +166,7 @@ static tides_status add_moved(tides_renderer *renderer, const tides_trajectory *
     return status;
 }
 
-/* All nodes, of so many Gaussians at a time as rows of motions have room for beside what the sweep has cached. */
+/* Projects all nodes, for as many Gaussians at a time as moved rows fit beside the rows that the sweep has cached. */
 static tides_status project_all_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                       int level, int slots, tides_error *error) {
     int *wanted = td_alloc(2 * (size_t)nodes->count, sizeof *wanted, error);
@@ -184,7 +183,7 @@ static tides_status project_all_moved(tides_renderer *renderer, const tides_traj
     return status;
 }
 
-/* One slot: its Gaussians' rows, where some move by themselves, among others'. */
+/* Adds a slot: rows of its Gaussians, some of which may move by themselves. */
 static tides_status add_slot(tides_renderer *renderer, td_point_nodes *nodes, double time, int slot, int from, int end,
                              int *row, tides_error *error) {
     const int moves = renderer->dynamic.gaussians > 0;

@@ -1,8 +1,8 @@
-/* Single pixels at single times, for the solver, which places events on them: rows of record paths for the interval swept last
- * when it is first asked for, lists of the tiles that have points, and then the points, tile by tile.
+/* Points: pixels at times of their own, on which the solver places events. First, rows of record paths for the interval swept
+ * last are found; then lists of the tiles with points; then values, tile by tile.
  *
- * A kept instant has an engine of its own beside the shared scene in double. In turns on one engine, preparing it again for
- * each interval cost as much as the points that were spared by asking for it late. */
+ * A kept instant, which stays available after later sweeps, has an engine of its own. With one engine for both, preparing it
+ * again for each interval would cost as much as asking for the instant's points late saves. */
 #include "td_point_nodes.h"
 #include "td_point_order.h"
 #include "td_point_parts.h"
@@ -13,14 +13,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { POINTS_AT_ONCE = 1 << 16 }; /* in a launch: 5 MB with what goes with them */
+enum { POINTS_AT_ONCE = 1 << 16 }; /* per launch: 5 MB with all their data */
 
 /* A launch that may be under way: points numbered order[0 .. count), the caller's. */
 typedef struct points_away {
     const td_point *points;
     td_point_value *values;
     const int *order;
-    int count; /* 0: there is none */
+    int count; /* 0: no launch is running */
 } points_away;
 
 struct td_points {
@@ -36,7 +36,7 @@ struct td_points {
     int *wanted;           /* (tiles) lists to make */
     td_point_place *place; /* of order_points */
     size_t place_capacity;
-    int *which; /* (2 x points asked for) of exact_points */
+    int *which; /* (2 x points requested) used by exact_points */
     size_t which_capacity;
     points_away away;
     td_points_direct direct;
@@ -91,7 +91,7 @@ static tides_status allocate(const tides_renderer *renderer, td_points *p, tides
     return all ? td_points_wanted_create(renderer, &p->asks, error) : TIDES_NO_MEMORY;
 }
 
-/* `shared`: another's scene in double, or NULL. */
+/* `shared`: the scene in double of another td_points, or NULL. */
 static tides_status create_points(const tides_renderer *renderer, td_exact *shared, td_points **points, tides_error *error) {
     const td_image_numbers image = td_image_pack(&renderer->image);
     td_points *made = td_alloc(1, sizeof *made, error);
@@ -199,7 +199,7 @@ static int piece_of(const td_point_nodes *nodes, double time) {
     return low;
 }
 
-/* Where a point is in its tile. */
+/* Place of a point in its tile and in the interval. */
 static td_point_place place_of(const td_points *p, const td_point *point, int which) {
     const td_point_part *part = &p->parts.part[p->begun];
     const double length = part->stop - part->start;
@@ -208,14 +208,14 @@ static td_point_place place_of(const td_points *p, const td_point *point, int wh
     return (td_point_place){{(uint8_t)(point->x % TD_TILE), (uint8_t)(point->y % TD_TILE), (uint8_t)step}, which};
 }
 
-/* The points numbered which[0 .. count) tile by tile, neighbours together: order (count). */
+/* Orders the points which[0 .. count) tile by tile, with neighbours together: order (count). */
 static tides_status order_points(const tides_renderer *renderer, td_points *p, const td_point *points, const int *which,
                                  int count, int *order, tides_error *error) {
     const int tiles = renderer->stats.tiles;
     tides_status status = td_reserve((void **)&p->place, &p->place_capacity, 2 * (size_t)count, sizeof *p->place, error);
     if (status != TIDES_OK) return status;
     td_point_place *places = p->place, *room = places + count;
-    int *end = p->wanted; /* of tiles: nobody has asked for lists yet */
+    int *end = p->wanted; /* borrowed as scratch: no lists are wanted yet */
     memset(end, 0, (size_t)tiles * sizeof *end);
     for (int i = 0; i < count; i++) end[tile_of(renderer, &points[which[i]])]++;
     for (int i = 0, sum = 0; i < tiles; i++) {
@@ -241,7 +241,7 @@ static tides_status check_point(const tides_renderer *renderer, const td_point_s
                    (int)point->x, (int)point->y, point->time, at->start, at->stop);
 }
 
-/* Point i is at `time`: in which piece, and where there. */
+/* Sets the piece of point i, which is at `time`, and its place within the piece. */
 static void place_time(const td_point_nodes *nodes, double time, td_points *p, int i) {
     const int low = piece_of(nodes, time);
     const double length = nodes->knot[low + 1] - nodes->knot[low];
@@ -250,7 +250,7 @@ static void place_time(const td_point_nodes *nodes, double time, td_points *p, i
     p->column[3][i] = length > 0 ? length : TD_POINT_INSTANT;
 }
 
-/* Lays points order[0 .. count) for a launch; returns the number of chunks, and of tiles whose lists are missing. */
+/* Prepares points order[0 .. count) for a launch. Returns the number of chunks, and the tiles whose lists are missing. */
 static int lay_launch(const tides_renderer *renderer, td_points *p, const td_point *points, const int *order, int count,
                       int *wanted) {
     int chunks = 0;
@@ -280,7 +280,7 @@ static tides_status finish_launch(td_points *p, tides_error *error) {
     return status;
 }
 
-/* Begins the next launch, behind the one that is under way. */
+/* Queues the next launch behind the running one. */
 static tides_status begin_launch(const tides_renderer *renderer, td_points *p, const points_away *next, tides_error *error) {
     int wanted;
     const int chunks = lay_launch(renderer, p, next->points, next->order, next->count, &wanted);
@@ -292,7 +292,7 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
                                    td_points_backdrop_of(&renderer->image, renderer->scratch.backdrops)};
     tides_status status = finish_launch(p, error);
     if (status == TIDES_OK) status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
-    if (status != TIDES_OK) p->begun = -1; /* which lists are there isn't known */
+    if (status != TIDES_OK) p->begun = -1; /* it isn't known which lists are ready */
     if (status == TIDES_OK) status = p->engine->type->values(p->engine, &batch, p->values, error);
     if (status == TIDES_OK) p->away = *next;
     return status;
@@ -311,7 +311,7 @@ static tides_status take_direct(tides_renderer *renderer, const tides_trajectory
     return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, points, order, direct, values, error);
 }
 
-/* Points of the part that has its rows: those numbered which[0 .. count), of which order (count) becomes an order. */
+/* Computes the points which[0 .. count) of the part whose rows are ready; order (count) is scratch. */
 static tides_status points_of_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p,
                                    const td_point *points, int *which, int count, int *order, td_point_value *values,
                                    tides_error *error) {
@@ -341,7 +341,7 @@ static tides_status choose_part(tides_renderer *renderer, const tides_trajectory
     return status;
 }
 
-/* The last launch is left under way. */
+/* Computes points, but leaves the last launch running. */
 static tides_status begin_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                  size_t count, td_point_value *values, tides_error *error) {
     tides_status status = td_renew((void **)&p->which, &p->which_capacity, 2 * count, sizeof *p->which, error);
@@ -352,7 +352,7 @@ static tides_status begin_points(tides_renderer *renderer, const tides_trajector
     }
     for (int k = 0; k < p->parts.count && status == TIDES_OK; k++) {
         int some = 0;
-        status = finish_launch(p, error); /* which has its points' numbers where the next part's go */
+        status = finish_launch(p, error); /* the next part overwrites the running launch's list of points */
         if (status == TIDES_OK) status = choose_part(renderer, camera, p, k, points, (int)count, p->which, &some, error);
         if (status == TIDES_OK && some > 0)
             status = points_of_part(renderer, camera, p, points, p->which, some, p->which + count, values, error);

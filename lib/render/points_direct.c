@@ -1,6 +1,6 @@
-/* Points whose splats are projected at their own times (td_points_direct.h). A lot of points is an interval of an engine of its
- * own: each point is a tile with a list of its own, each splat of each point a Gaussian with one row, and its curve is what an
- * instant's is, value and rate. */
+/* Points that see a splat without a curve: all their splats are projected at the point's own time. A batch ("lot") of points
+ * is given to an engine as if it were an interval. Each point is a tile with its own list, each of its splats a Gaussian with
+ * one row, and its curve is that of an instant: value and rate. */
 #include "td_points_direct.h"
 #include "td_points_wanted.h"
 #include "td_renderer.h"
@@ -8,9 +8,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LOT = 256, LOT_SPLATS = 1 << 16 }; /* points, and what they see, that are worked out together */
+enum { LOT = 256, LOT_SPLATS = 1 << 16 }; /* points, and splats, of one lot */
 
-/* Frees the engine and arrays of a lot, which no lot goes without. */
+/* Frees the engine and arrays of a lot, without which no lot can be computed. */
 static void release_lot(td_points_direct *direct) {
     if (direct->engine) direct->engine->type->destroy(direct->engine);
     direct->engine = NULL;
@@ -33,7 +33,8 @@ void td_points_direct_release(td_points_direct *direct) {
     free(direct->sights);
 }
 
-/* -- who sees what is bent ------------------------------------------------------------------------------------------------- */
+/* -- pixels that see a splat without a curve
+ * ------------------------------------------------------------------------------------------------- */
 
 /* The pixels that may see it. */
 static void mark(const tides_renderer *renderer, const float *box, uint8_t *bent) {
@@ -65,7 +66,7 @@ static tides_status create(const tides_renderer *renderer, td_points_direct *dir
     const td_image_numbers image = td_image_pack(&renderer->image);
     const size_t lot = LOT + TD_PAD;
     if (direct->engine) return TIDES_OK;
-    release_lot(direct); /* what an earlier try had, that failed */
+    release_lot(direct); /* left by an earlier failed attempt */
     direct->end = td_alloc(lot, sizeof *direct->end, error);
     direct->time = td_alloc(lot, sizeof *direct->time, error);
     direct->tiles = td_alloc(lot, sizeof *direct->tiles, error);
@@ -78,11 +79,11 @@ static tides_status create(const tides_renderer *renderer, td_points_direct *dir
         all = all && direct->column[k];
     }
     if (!all) return TIDES_NO_MEMORY;
-    for (size_t i = 0; i < lot; i++) direct->column[3][i] = TD_POINT_INSTANT; /* column 2, where in it, is 0 */
+    for (size_t i = 0; i < lot; i++) direct->column[3][i] = TD_POINT_INSTANT; /* column 2, the place within the curve, is 0 */
     return td_points_create_engine(renderer, &image, &direct->engine, error);
 }
 
-/* Room for `more` Gaussians in a lot. */
+/* Makes room for `more` Gaussians in a lot. */
 static tides_status reserve(td_points_direct *direct, int more, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
     const size_t wanted = (size_t)nodes->count + (size_t)more;
@@ -103,13 +104,13 @@ static tides_status reserve(td_points_direct *direct, int more, tides_error *err
     return status;
 }
 
-/* Does a box touch a pixel? */
+/* 1 if a box touches the point's pixel. */
 static int touches(const float *box, const td_point *point) {
     return box[0] <= (float)(point->x + 1) && box[2] >= (float)point->x && box[1] <= (float)(point->y + 1) &&
            box[3] >= (float)point->y;
 }
 
-/* All that a point may see, as the next Gaussians of the lot, and its tile's list. */
+/* Adds all that point k may see, as the lot's next Gaussians, and its tile's list. */
 static tides_status add_point(const tides_renderer *renderer, td_points_direct *direct, const td_point_span *span,
                               const td_point *point, int k, int *listed, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
@@ -144,7 +145,7 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
     return status;
 }
 
-/* A lot as an engine takes it, from rows that are there. */
+/* Gives a lot, whose rows are ready, to the engine as an interval. */
 static tides_status look(const tides_renderer *renderer, td_points_direct *direct, int points, int listed, tides_error *error) {
     const td_point_nodes *nodes = &direct->nodes;
     const td_points_interval interval = {.gaussians = nodes->count,
@@ -177,13 +178,13 @@ static tides_status look(const tides_renderer *renderer, td_points_direct *direc
     return status == TIDES_OK ? engine->type->finish(engine, error) : status;
 }
 
-/* Projects all that a lot's points see, and looks at it. */
+/* Projects all that a lot's points see, and computes their values. */
 static tides_status work_out(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct, int points,
                              int listed, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
     nodes->rows = nodes->count;
     tides_status status = reserve(direct, points, error);
-    for (int k = nodes->count; k < points && status == TIDES_OK; k++) direct->numbers[k] = k; /* of tiles, too */
+    for (int k = nodes->count; k < points && status == TIDES_OK; k++) direct->numbers[k] = k; /* also the numbers of tiles */
     if (status == TIDES_OK) status = td_point_rows_direct(renderer, camera, nodes, direct->time, direct->end, points, error);
     return status == TIDES_OK ? look(renderer, direct, points, listed, error) : status;
 }

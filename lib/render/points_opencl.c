@@ -1,4 +1,4 @@
-/* Single pixels at single times on an OpenCL device, in double precision: the kernels of points.cl. */
+/* Points on an OpenCL device with double precision: misfits of paths, an interval's curves, lists of tiles, and values. */
 #include "td_launch.h"
 #include "td_points.h"
 
@@ -6,8 +6,8 @@
 #include <stdlib.h>
 
 enum {
-    ENTRY_REALS = 7,        /* td_point_room of kernels/point_entries.h, by lanes, */
-    CODED_ENTRY_REALS = 11, /* and where light isn't linear in colours */
+    ENTRY_REALS = 7,        /* reals per lane of a list entry (td_point_room), */
+    CODED_ENTRY_REALS = 11, /* and if light isn't linear in colours */
     CURVE_REALS = 32,       /* TD_CURVE_REALS */
     BESIDE_REALS = 8,       /* TD_BESIDE_REALS */
     TEST_REALS = 8,         /* TD_TEST_REALS */
@@ -18,7 +18,7 @@ enum {
     GPU_GROUP = 64
 };
 
-/* Bytes of rooms that work-items may take [bytes]. */
+/* Largest size of all work-items' scratch [bytes]. */
 static const size_t room_limit = (size_t)512 << 20;
 
 typedef struct opencl_points {
@@ -34,14 +34,14 @@ typedef struct opencl_points {
     td_buffer entries, beside;                                          /* beside: curves of green and blue */
     int is_coded;
     td_points_interval at;
-    int longest; /* of the lists */
-    double *out; /* where values under way go */
+    int longest; /* length of the longest list */
+    double *out; /* target of values being computed */
     size_t out_bytes;
 } opencl_points;
 
 static int on_gpu(const opencl_points *p) { return p->base.lanes == 1; }
 
-/* The last lanes write a little further. */
+/* The last lanes write beyond the end, so there are TD_PAD further numbers. */
 static cl_int misfit_stride(const td_points_misfits *request) { return request->count + TD_PAD; }
 
 static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_buffer *beside,
@@ -152,7 +152,7 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
     size_t each = (size_t)interval->slices.count * TEST_REALS * sizeof(cl_float);
     const struct {
         td_buffer *buffer;
-        const void *data; /* NULL: room only */
+        const void *data; /* NULL: only room */
         size_t bytes;
     } wanted[] = {
         {&p->candidates, interval->candidates, (size_t)interval->candidate_count * sizeof(cl_int)},
@@ -208,7 +208,7 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
     return td_finish(p->device, status, error);
 }
 
-/* Work-items for so many chunks, and their rooms. */
+/* Number of work-items for so many chunks, and their scratch. */
 static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, int *rows, tides_error *error) {
     const size_t places = p->longest > 0 ? (size_t)p->longest : 1;
     const size_t room = places * (p->is_coded ? CODED_ENTRY_REALS : ENTRY_REALS) * (size_t)p->base.lanes * sizeof(cl_double);
@@ -221,7 +221,7 @@ static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, i
     return td_buffer_reserve(p->device, &p->entries, *items * room, error);
 }
 
-/* Points and chunks to the device; columns follow one another, `stride` apart. */
+/* Sends points and chunks; columns follow one another at a distance of `stride`. */
 static tides_status send_batch(opencl_points *p, const td_points_batch *batch, size_t stride, tides_error *error) {
     static const cl_int nobody = 0;
     const size_t column = stride * sizeof(cl_double), used = (size_t)batch->count * sizeof(cl_double);
@@ -271,7 +271,7 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
 
 static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
-    const size_t stride = (size_t)batch->count + TD_PAD; /* the last lanes read a little further */
+    const size_t stride = (size_t)batch->count + TD_PAD; /* the last lanes read beyond the end */
     size_t items;
     int rows;
     tides_status status = reserve_rooms(p, batch->chunk_count, &items, &rows, error);
@@ -305,7 +305,7 @@ static void destroy(td_points_engine *engine) {
 
 static const td_points_class opencl_points_class = {misfits, begin, add, lists, values, finish, destroy};
 
-/* The image in double: reals, then ints. */
+/* Sends the image in double: reals, then ints. */
 static tides_status write_image(opencl_points *p, const td_image_numbers *image, tides_error *error) {
     td_image packed;
     memcpy(&packed, image->real, sizeof image->real);
@@ -323,7 +323,7 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
                    {"td_point_make_splats", &p->splat_kernel},
                    {"td_point_make_lists", &p->list_kernel},
                    {"td_point_values", &p->value_kernel}};
-    /* Choices that points don't need are 0, so that few programs are built. */
+    /* Decisions that don't concern points are fixed to 0, so that few programs are built. */
     char *defines = td_format(error,
                               "#define TD_BUILD_SH_DEGREE 0\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
                               "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"
@@ -338,8 +338,7 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
     return status;
 }
 
-/* An interval with nothing in it: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time.
- * */
+/* Runs an empty interval: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time. */
 static tides_status warm_up(opencl_points *p, tides_error *error) {
     static const td_points_tile nothing = {0, 0, 0, 0};
     static const int none[TD_PAD] = {0};

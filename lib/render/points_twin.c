@@ -1,5 +1,5 @@
-/* Single pixels at single times in C: the twin of the OpenCL kernels in double precision, to the bit, and what devices
- * without double precision have, and the references. */
+/* Points in C: a twin of the OpenCL kernels in double, equal to the bit. References use it, and devices without double
+ * precision. */
 #define TD_REAL_DOUBLE
 #include "kernels/path_node.h"
 #include "kernels/points.h"
@@ -25,7 +25,7 @@ typedef struct twin {
     float *records;               /* (gaussians x slices x TD_TEST_REALS) tests of each */
     int *places;                  /* (candidate_count x TD_LIST_INTS) the lists */
     float *tests;                 /* (candidate_count x slices x TD_TEST_REALS) */
-    int *count;                   /* (tile_count) splats of each */
+    int *count;                   /* (tile_count) number of splats in each list */
     twin_key *keys;
     double *entries; /* of a point */
     size_t list_capacity[6], curve_capacity, rows_capacity, rows_beside_capacity, beside_capacity, key_capacity, entry_capacity;
@@ -143,7 +143,7 @@ static void make_list(twin *t, int number) {
         if (path >= 0) t->keys[count++] = (twin_key){td_point_depth_key(&paths, path), i, path, gaussian};
     }
     t->count[number] = count;
-    if (count == 0) return; /* there may be neither keys nor tests at all */
+    if (count == 0) return; /* keys and tests may be NULL */
     qsort(t->keys, (size_t)count, sizeof *t->keys, key_order);
     for (int i = 0; i < count; i++) {
         int *place = t->places + (size_t)(tile.first + i) * TD_LIST_INTS;

@@ -1,4 +1,5 @@
-/* Progress of a renderer's work, and requests to stop: asked between launches, which are short where somebody waits. */
+/* Progress of a renderer's work, and requests to stop, which are checked before each launch. Launches are short if somebody
+ * may stop the work. */
 #include "td_renderer.h"
 
 tides_status tides_renderer_set_progress(tides_renderer *renderer, tides_progress progress, void *user, tides_error *error) {
@@ -8,7 +9,7 @@ tides_status tides_renderer_set_progress(tides_renderer *renderer, tides_progres
     return renderer->beside ? tides_renderer_set_progress(renderer->beside, progress, user, error) : TIDES_OK;
 }
 
-/* Channels of a colour filter are rendered one after the other. */
+/* With a colour filter, the three channels are rendered one after the other, so each is a third of the work. */
 void td_renderer_set_part(tides_renderer *renderer, double from, double width) {
     const double each = renderer->colour_filter ? width / 3 : width;
     for (tides_renderer *one = renderer; one; one = one->beside, from += each) {

@@ -1,5 +1,5 @@
-/* Blur by the optics, tile by tile, for whoever renders frames or runs a sensor with a PSF: of L and L_dot, or of Y before
- * the logarithm. Which pixels are wanted, and what comes of them, is the renderer's. */
+/* Blur by the optics, tile by tile: of L and L_dot, or of Y before the logarithm. The renderer decides which pixels are
+ * needed. */
 #include "td_math.h"
 #include "td_renderer.h"
 #include "tides/sensor.h"
@@ -7,9 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double cut_sigmas = 4;       /* what is beyond weighs 6e-5 of the whole */
-static const double wide_sigma = 8;       /* [px]: above, the direct kernel is the slower one (psf_wide.c) */
-static const double largest_sigma = 1000; /* [px]: more is no lens, and its apron would fill memory */
+static const double cut_sigmas = 4;       /* a Gaussian beyond that weighs 6e-5 of the whole */
+static const double wide_sigma = 8;       /* [px]: above it the coarse image is faster than direct sums */
+static const double largest_sigma = 1000; /* [px]: no lens blurs more, and the pixels around a tile would fill memory */
 
 tides_status td_psf_set(td_psf *psf, double sigma_px, int32_t domain, tides_error *error) {
     if (!(sigma_px >= 0) || !(sigma_px <= largest_sigma))
@@ -17,7 +17,8 @@ tides_status td_psf_set(td_psf *psf, double sigma_px, int32_t domain, tides_erro
     if (domain != TIDES_PSF_LOG && domain != TIDES_PSF_LINEAR)
         return td_fail(error, TIDES_BAD_ARGUMENT, "psf_domain: %d is none of TIDES_PSF_*", (int)domain);
     int step = 0;
-    const double sigma = sigma_px > wide_sigma ? td_psf_wide_sigma(sigma_px, &step) : sigma_px; /* in cells, or pixels */
+    /* in cells of the coarse image, or pixels */
+    const double sigma = sigma_px > wide_sigma ? td_psf_wide_sigma(sigma_px, &step) : sigma_px;
     int radius = (int)ceil(cut_sigmas * sigma);
     double *weight = td_alloc((size_t)radius + 1, sizeof *weight, error), sum = 1;
     if (!weight) return TIDES_NO_MEMORY;
@@ -35,7 +36,7 @@ tides_status td_psf_set(td_psf *psf, double sigma_px, int32_t domain, tides_erro
     psf->weight = weight;
     psf->radius = radius;
     psf->wide.step = step;
-    psf->reach = step ? (radius + 5) * step : radius; /* both splines reach 2 cells, and a tile isn't where cells are */
+    psf->reach = step ? (radius + 5) * step : radius; /* both splines reach 2 cells, and tiles don't begin at cells */
     psf->sigma = sigma_px;
     psf->domain = domain;
     return TIDES_OK;
@@ -56,7 +57,7 @@ void td_psf_release(td_psf *psf) {
 
 static int clamp(int value, int last) { return value < 0 ? 0 : value > last ? last : value; }
 
-/* The tiles that a tile's blur reaches. */
+/* The tiles that a tile's blur needs. */
 typedef struct window {
     int x0, x1, y0, y1; /* both included */
 } window;
@@ -91,7 +92,7 @@ tides_status td_psf_spread(td_psf *psf, td_candidates *candidates, tides_error *
     return status;
 }
 
-/* Requests slot by slot. */
+/* Lists requests slot by slot. */
 static void order_by_slot(td_psf *psf, const td_request *requests, int count, int slots) {
     int *first = psf->slot_first;
     memset(first, 0, ((size_t)slots + 1) * sizeof *first);
@@ -102,7 +103,7 @@ static void order_by_slot(td_psf *psf, const td_request *requests, int count, in
     first[0] = 0;
 }
 
-/* Adds the tiles that one request needs to the slot's, unless they are there. */
+/* Adds the tiles that a request needs to the slot's list, if they are missing. */
 static tides_status add_window(td_psf *psf, const td_candidates *candidates, td_request request, int *count,
                                tides_error *error) {
     window w = window_of(psf->reach, candidates->tiles_x, candidates->tiles_y, request.tile);
@@ -122,7 +123,7 @@ static void forget_slot(td_psf *psf, int slot) {
     for (int i = psf->raw_first[slot]; i < psf->raw_first[slot + 1]; i++) psf->place[psf->raw[i].tile] = -1;
 }
 
-/* Lists what must be rendered: psf->raw. */
+/* Lists the tiles to render, psf->raw. */
 static tides_status list_raw(td_psf *psf, const td_candidates *candidates, const td_request *requests, int count, int slots,
                              tides_error *error) {
     size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
@@ -148,7 +149,7 @@ static tides_status list_raw(td_psf *psf, const td_candidates *candidates, const
     return TIDES_OK;
 }
 
-/* L and L_dot of rendered tiles to e^L and its rate. */
+/* Converts L and L_dot of rendered tiles to e^L and its rate. */
 static void to_linear(td_psf *psf, int count, int outputs) {
     for (int i = 0; i < count; i++) {
         double *L = psf->planes + (size_t)i * outputs * TD_TILE_PIXELS, *L_dot = L + TD_OUT_L_DOT * TD_TILE_PIXELS;
@@ -173,7 +174,7 @@ static void gather_image(const td_psf_source *s, int x, int y, int count, double
     for (int i = 0; i < count; i++) line[i] = row[clamp(x + i, s->width - 1)];
 }
 
-/* One plane of the tile at (x0, y0), blurred: (TD_TILE x TD_TILE), row by row. */
+/* Blurs a plane of the tile at (x0, y0) to `out` (TD_TILE x TD_TILE), row by row. */
 static void blur_tile(const td_psf_source *s, int x0, int y0, double *out) {
     int radius = s->psf->radius, side = TD_TILE + 2 * radius;
     double *rows = s->psf->rows, *line = rows + (size_t)side * TD_TILE;
@@ -185,7 +186,7 @@ static void blur_tile(const td_psf_source *s, int x0, int y0, double *out) {
         td_psf_line(s->psf, rows + (size_t)y * TD_TILE, TD_TILE, TD_TILE, out + (size_t)y * TD_TILE);
 }
 
-/* All cells are made before the first pixel is written. */
+/* Blurs in place: all cells are made before the first pixel is written. */
 static tides_status blur_image_wide(td_psf *psf, int width, int height, double *image, tides_error *error) {
     const td_psf_source s = {.gather = gather_image, .psf = psf, .image = image, .width = width, .height = height};
     tides_status status = td_psf_wide_begin(&psf->wide, width, height, error);
@@ -222,7 +223,7 @@ tides_status td_psf_image(td_psf *psf, int width, int height, double *image, tid
     return TIDES_OK;
 }
 
-/* A request's planes: L and L_dot blurred, Y from L, the others as rendered. */
+/* Makes a request's planes: L and L_dot are blurred, Y comes from L, the others stay as rendered. */
 static void finish_tile(td_psf *psf, td_psf_source *s, int tile, double log_eps, double *planes) {
     double L[TD_TILE_PIXELS], L_dot[TD_TILE_PIXELS];
     int x0 = tile % s->tiles_x * TD_TILE, y0 = tile / s->tiles_x * TD_TILE;
@@ -243,7 +244,7 @@ static void finish_tile(td_psf *psf, td_psf_source *s, int tile, double log_eps,
     }
 }
 
-enum { HEED_TILES = 16 }; /* tiles take up to a tenth of a millisecond each: who wants to stop is asked every few */
+enum { HEED_TILES = 16 }; /* tiles between checks for a stop: each takes up to 0.1 ms */
 
 static tides_status finish(tides_renderer *renderer, const td_request *requests, int slots, int outputs, double *planes,
                            tides_error *error) {

@@ -1,4 +1,4 @@
-/* A line of pixels, or several beside each other, weighted by the PSF's one-dimensional profile. */
+/* Weighted sums of a line of pixels (or of several lines side by side) with the PSF's one-dimensional profile. */
 #include "td_psf.h"
 
 void td_psf_line(const td_psf *psf, const double *line, size_t stride, int count, double *out) {

@@ -1,14 +1,14 @@
-/* Blur by a wide point spread function at a cost that doesn't grow with its width. A coarse image with `step` px from cell to
- * cell is made, blurred by a narrow kernel, and interpolated at the pixels again. Both ways use cubic B-splines. Each widens by
- * a third of step^2, which is subtracted from the kernel's variance. The splines remove detail finer than a cell, as the wide
- * Gaussian does. Step is the largest power of two in a third of sigma.
+/* Blur by a wide point spread function, at a cost that doesn't grow with its width. It makes a coarse image with cells of
+ * `step` px, blurs that with a narrow kernel, and interpolates at the pixels. Both conversions use cubic B-splines. Each
+ * widens the blur by a variance of step^2 / 3, which is subtracted from the kernel's. The splines remove detail finer than a
+ * cell, as the wide Gaussian does. `step` is the largest power of two up to sigma / 3.
  *
- * Error against the Gaussian: B-splines are flatter than it by a fourth cumulant of step^4 / 15, 8e-4 of sigma^4 at most, which
- * makes 2e-5 of an edge's height; what is cut off at 4 sigma weighs 6e-5, as in the direct kernel. Measured against the sum
- * (tests/unit/test_psf_wide.c): 2e-5 of what edges, noise and ramps span, 4e-4 of the peak that a point becomes.
+ * Error against the exact Gaussian: B-splines are flatter, by a fourth cumulant of step^4 / 15, at most 8e-4 of sigma^4. That
+ * makes 2e-5 of an edge's height. The kernel's cut at 4 sigma weighs 6e-5, as in the direct blur. Measured
+ * (tests/unit/test_psf_wide.c): 2e-5 of the range of edges, noise and ramps, and 4e-4 of the peak of a single bright pixel.
  *
- * A pixel's value depends on the image alone, to the bit: cells have fixed places in the image, and each is made once for all
- * tiles, in one order of sums. */
+ * A pixel's value depends on the image only, to the bit: cells have fixed places in the image, and each is computed once for
+ * all tiles, by sums in a fixed order. */
 #include "td_renderer.h"
 
 #include <math.h>
@@ -54,7 +54,7 @@ void td_psf_wide_release(td_psf_wide *w) {
 
 /* ---- the coarse image ---- */
 
-/* Cells -3 and `last`, and all beyond, are of border pixels alone: they are the same. */
+/* Range of cells. All cells up to -3, and all from `last` on, depend on border pixels only, and so are equal. */
 enum { FIRST_CELL = -3 };
 static int last_cell(int pixels, int step) { return (2 * (pixels - 1) + 5 * step - 1) / (2 * step); }
 
@@ -76,7 +76,7 @@ tides_status td_psf_wide_begin(td_psf_wide *w, int width, int height, tides_erro
     return status;
 }
 
-/* The rows of a row of tiles at the cells of one column. */
+/* The rows of a row of tiles, reduced to one column of cells. */
 static const double *strip_of(td_psf_wide *w, const td_psf_source *s, int column, int strip) {
     const size_t cells = (size_t)w->cells_x * (size_t)w->cells_y, strips = (size_t)w->cells_x * (size_t)w->strips;
     const size_t at = (size_t)s->which * strips + (size_t)strip * (size_t)w->cells_x + (size_t)column;
@@ -95,7 +95,7 @@ static const double *strip_of(td_psf_wide *w, const td_psf_source *s, int column
 
 static int clamp(int value, int first, int last) { return value < first ? first : value > last ? last : value; }
 
-/* The cell (x, y), those beyond the image's being its border's. */
+/* The cell (x, y); beyond the range it is the border's cell. */
 static double cell_of(td_psf_wide *w, const td_psf_source *s, int x, int y) {
     const int column = clamp(x - FIRST_CELL, 0, w->cells_x - 1), row = clamp(y - FIRST_CELL, 0, w->cells_y - 1);
     const size_t cells = (size_t)w->cells_x * (size_t)w->cells_y;
@@ -113,16 +113,16 @@ static double cell_of(td_psf_wide *w, const td_psf_source *s, int x, int y) {
 
 /* ---- a tile ---- */
 
-/* Bounds for the cells of 16 pixels: step is 2 at least, sigma 6 cells at most (td_psf_wide_sigma), and the kernel is cut at 4
- * sigma. */
+/* Bounds for the cells of 16 pixels: step is at least 2, sigma at most 6 cells (td_psf_wide_sigma), and the kernel is cut at
+ * 4 sigma. */
 enum { ACROSS = TD_TILE / 2 + 4, RADIUS = 24, ALL = ACROSS + 2 * RADIUS };
 
-/* The cells that 16 pixels from `x` on are made of: the first, and how many. */
+/* The cells from which 16 pixels from `x` on are interpolated: the first, and their number. */
 typedef struct span {
     int first, count;
 } span;
 
-static int cell_before(int x, int step) { /* whose centre is at the pixel's, or before it */
+static int cell_before(int x, int step) { /* the last cell whose centre is not behind the pixel's */
     const int twice = 2 * x + 1 - step;
     return twice >= 0 ? twice / (2 * step) : -((2 * step - 1 - twice) / (2 * step));
 }
@@ -132,7 +132,7 @@ static span span_of(int x, int step) {
     return (span){first, cell_before(x + TD_TILE - 1, step) + 3 - first};
 }
 
-/* Four weights of cells for each of 16 pixels, and the first cell's place in the span. */
+/* Four weights of cells for each of 16 pixels, and the place of the first of the four in the span. */
 static void weigh(int x, int step, span cells, double weight[TD_TILE][4], int place[TD_TILE]) {
     for (int i = 0; i < TD_TILE; i++) {
         const int before = cell_before(x + i, step);
@@ -142,7 +142,7 @@ static void weigh(int x, int step, span cells, double weight[TD_TILE][4], int pl
     }
 }
 
-/* Coarse cells of the spans, blurred: (down.count x ACROSS). */
+/* Blurs the coarse cells of both spans: out is (down.count x ACROSS). */
 static void blur_cells(const td_psf *psf, td_psf_wide *w, const td_psf_source *s, span across, span down, double *out) {
     const int radius = psf->radius, lines = down.count + 2 * radius;
     double line[ALL], rows[ALL * ACROSS];

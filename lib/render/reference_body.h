@@ -1,6 +1,6 @@
-/* The renderer's stages as plain loops over the functions of kernels/: the double-precision reference, and in single precision
- * the oracle that the OpenCL kernels equal to the bit. Included by reference_f64.c and reference_f32.c, which define
- * TD_REFERENCE_CREATE and, for double, TD_REAL_DOUBLE. */
+/* The renderer's stages as plain loops over the functions of kernels/. In double precision this is the reference; in single
+ * precision, the OpenCL kernels equal it to the bit. Included once per precision: the includer defines TD_REFERENCE_CREATE
+ * (the name of the constructor) and, for double, TD_REAL_DOUBLE. */
 #include "kernels/block.h"
 #include "kernels/interpolate.h"
 #include "kernels/movers.h"
@@ -59,7 +59,7 @@ typedef struct reference {
     reference_sorted sorted;
     td_real *path_rows, *path_beside; /* record paths (reference_paths.h) */
     size_t path_row_capacity, path_beside_capacity;
-    td_real *surfaces; /* ground truth (reference_truth.h) */
+    td_real *surfaces; /* ground truth */
     size_t surface_capacity;
     int *object_numbers, scene_objects;
 } reference;
@@ -85,7 +85,7 @@ static td_image unpack_image(const td_image_numbers *numbers) {
     return image;
 }
 
-/* A copy of an array in this precision; success with NULL for NULL. */
+/* Copies an array in this precision; NULL stays NULL. */
 static tides_status copy_array(const double *from, size_t count, td_real **to, tides_error *error) {
     if (!from) return TIDES_OK;
     *to = td_alloc(count, sizeof **to, error);
@@ -101,7 +101,7 @@ static tides_status copy_views(reference *r, const double *views, int slots, tid
     return status;
 }
 
-/* Views, strays and rows of a sweep in this precision. */
+/* Copies views, strays and rows of a sweep in this precision. */
 static tides_status copy_interval(reference *r, const td_sweep_request *request, td_interval *interval, tides_error *error) {
     int times = td_sweep_times(request->level);
     size_t strays = (size_t)r->image.objects * TD_STRAY_REALS;
@@ -181,7 +181,7 @@ static int compare_keys(const void *a, const void *b) {
 }
 
 static void project_job(reference *r, const td_job *job, const td_batch *batch, const td_image *image) {
-    td_job local = *job; /* one job's records at a time */
+    td_job local = *job; /* records are reused by each job */
     td_sink sink;
     local.records = 0;
     sink.records = r->sorted.records;
@@ -193,14 +193,14 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
         td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
 }
 
-/* The next of the list, front to back. */
+/* Appends a candidate to the list, front to back. */
 static void add_splat(reference *r, int candidate, td_list *list) {
     r->sorted.order[list->count] = candidate;
     r->sorted.sorted_masks[list->count++] = r->sorted.masks[candidate];
 }
 
-/* The brightest of all of the tile's splats and the backdrop. All of them count, so that a block stops where it would whatever
- * else is asked for. */
+/* The brightest of all the tile's splats and the backdrop. All splats count, so that a block stops at the same place
+ * whichever blocks are requested. */
 static td_real brightest_of(const reference *r, const td_job *job) {
     td_real most = r->backdrops[job->slot].luminance;
     for (int i = 0; i < job->count; i++) most = r->sorted.lights[i] > most ? r->sorted.lights[i] : most;
@@ -296,7 +296,7 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
     return TIDES_OK;
 }
 
-/* One pixel whose list is empty, in this precision. */
+/* Computes a pixel with an empty list, in this precision. */
 static void empty_pixel_of(const td_image *image, const double *wide_backdrop, double *planes, int outputs) {
     static const int no_list[1] = {0};
     td_real out[TD_OUT_COLOUR * TD_BLOCK_PIXELS] = {0};
@@ -304,7 +304,7 @@ static void empty_pixel_of(const td_image *image, const double *wide_backdrop, d
     narrow(wide_backdrop, (td_real *)&backdrop, TD_BACKDROP_REALS);
     td_image own = *image;
     own.outputs = outputs;
-    own.decoder = 0; /* then no pixel is the same as another */
+    own.decoder = 0; /* without a decoder the result doesn't depend on the pixel */
     td_job job = {0};
     td_list list = {out, out, no_list, no_list, no_list, 0, backdrop.luminance, NULL, NULL};
     td_composite_block(&job, &list, &own, &backdrop, 0, 0, out);
@@ -316,7 +316,7 @@ static void empty_pixel(const td_backend *backend, const double *backdrop, doubl
 }
 
 static tides_status prepare(td_backend *backend, int outputs, tides_error *error) {
-    (void)backend, (void)outputs, (void)error; /* nothing to build */
+    (void)backend, (void)outputs, (void)error; /* nothing has to be built */
     return TIDES_OK;
 }
 
@@ -381,7 +381,7 @@ static const td_backend_class reference_class = {.sweep = sweep,
 #endif
 };
 
-/* Copies the store's arrays in this precision; SH comes as floats or doubles. */
+/* Copies the store's arrays in this precision; SH are floats or doubles there. */
 static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {
     size_t geometry = (size_t)store->count * TD_GEOMETRY_STRIDE, sh = (size_t)store->count * store->sh_stride;
     r->object = td_alloc((size_t)store->count, sizeof *r->object, error);

@@ -1,4 +1,4 @@
-/* The reference in single precision: what the OpenCL kernels equal to the bit. */
+/* The reference in single precision, which the OpenCL kernels equal to the bit. */
 #define TD_REFERENCE_CREATE td_backend_create_f32_plain
 #include "reference_body.h"
 #include "td_fused.h"

@@ -1,6 +1,6 @@
-/* The scalar reference renderer in double precision. Tests and `tides bench accuracy` take its results as the truth (DESIGN 7).
+/* The scalar reference renderer in double precision. Tests and `tides bench accuracy` take its results as the truth.
  *
- * A second build of it uses the processor's fused multiply-add: it is faster and gives the same bits (td_fused.h). */
+ * A second build for processors with fused multiply-add is faster, and gives the same bits. */
 #define TD_REAL_DOUBLE
 #define TD_REFERENCE_CREATE td_backend_create_f64_plain
 #include "reference_body.h"

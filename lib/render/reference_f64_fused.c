@@ -1,4 +1,4 @@
-/* The reference in double precision once more, for processors with fused multiply-add (td_fused.h). */
+/* The double-precision reference, compiled for processors with fused multiply-add: faster, with the same bits. */
 #include "td_fused.h"
 
 #ifdef TD_FUSED

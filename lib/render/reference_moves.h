@@ -1,7 +1,7 @@
-/* Rows of Gaussians that move by themselves, worked out or interpolated, and how far interpolation is off. Part of
- * reference_body.h. */
+/* Rows of Gaussians that move by themselves: computed by their motion, or interpolated, and the errors of interpolation.
+ * Included by reference_body.h, in its precision. */
 
-/* An array grown to `count` numbers, keeping what it has. */
+/* Grows an array to `count` numbers, and keeps its contents. */
 static tides_status grow(td_real **array, size_t count, tides_error *error) {
     td_real *grown = realloc(*array, count * sizeof *grown);
     if (!grown) return td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu numbers for moving Gaussians", count);
@@ -9,7 +9,7 @@ static tides_status grow(td_real **array, size_t count, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Room for `rows` moved rows behind the store's. */
+/* Makes room for `rows` moved rows behind the store's. */
 static tides_status grow_rows(reference *r, int rows, tides_error *error) {
     if (rows <= r->rows) return TIDES_OK;
     size_t all = (size_t)r->count + (size_t)rows, sh = r->moved.moves_sh ? (size_t)r->image.sh_stride : 0;
@@ -90,7 +90,7 @@ static tides_status move(td_backend *backend, const td_move_batch *moves, tides_
 }
 
 static tides_status prepare_cubics(td_backend *backend, tides_error *error) {
-    (void)backend, (void)error; /* nothing to build */
+    (void)backend, (void)error; /* nothing has to be built */
     return TIDES_OK;
 }
 

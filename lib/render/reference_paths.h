@@ -1,5 +1,5 @@
-/* Rows of record paths in the double reference (kernels/path_node.h), for td_exact's twin; and rows that a motion has moved,
- * for any td_exact. Part of reference_body.h, in its precision. */
+/* Rows of record paths in the double reference, and (in both precisions) rows that a motion has moved. Included by
+ * reference_body.h, in its precision. */
 
 static void widen(const td_real *from, double *to, size_t count) {
     for (size_t i = 0; i < count; i++) to[i] = from[i];
@@ -20,7 +20,7 @@ static tides_status moved_rows(td_backend *backend, const td_moved_rows *rows, t
 }
 
 #ifdef TD_REAL_DOUBLE
-/* An array grown to `count` numbers where it has fewer, keeping what it has. */
+/* Grows an array to at least `count` numbers, and keeps its contents. */
 static tides_status grow_rows_of_paths(td_real **array, size_t *capacity, size_t count, tides_error *error) {
     if (count <= *capacity) return TIDES_OK;
     size_t more = count > 2 * *capacity ? count : 2 * *capacity;
@@ -29,7 +29,7 @@ static tides_status grow_rows_of_paths(td_real **array, size_t *capacity, size_t
     return status;
 }
 
-/* Green and blue of as many rows, where these are composited. */
+/* Makes room for green and blue of `rows` rows, if these are composited. */
 static tides_status grow_beside(reference *r, size_t rows, tides_error *error) {
     if (!r->image.is_coded) return TIDES_OK;
     return grow_rows_of_paths(&r->path_beside, &r->path_beside_capacity, rows * TD_BESIDE_STRIDE, error);

@@ -1,13 +1,13 @@
-/* Ground truth as a plain loop (kernels/truth.h), after a job's records and order are there. Part of reference_body.h. */
+/* Ground truth of a job as a plain loop, after its records and depth order. Included by reference_body.h. */
 
-/* A job's surfaces, and planes of its blocks. */
+/* Makes a job's surfaces, and the planes of its blocks. */
 static tides_status truth_job(reference *r, const td_job *job, const td_batch *batch, const td_image *image,
                               const td_list *list, double *planes, tides_error *error) {
     size_t reals = (size_t)job->count * TD_RECORD_STRIDE, pairs = 0;
     tides_status status = td_reserve((void **)&r->surfaces, &r->surface_capacity, 2 * reals, sizeof *r->surfaces, error);
     if (status != TIDES_OK) return status;
     const td_surfaces surfaces = {r->surfaces, r->surfaces + reals};
-    td_job local = *job; /* one job's records at a time */
+    td_job local = *job; /* records are reused by each job */
     local.records = 0;
     for (int i = 0; i < job->count; i++)
         td_surface_group(&local, i, batch->candidates, r->object, r->object_numbers, r->views, image, &r->source,

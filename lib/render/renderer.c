@@ -1,6 +1,6 @@
-/* The renderer as an object: made from a device, a scene, intrinsics and image parameters; asked for its statistics and for
- * what the solver needs to know of an interval; freed. Its work is elsewhere: sweep.c lists the Gaussians that may be seen,
- * tiles.c renders. */
+/* Makes and frees a renderer (from a device, a scene, intrinsics and image parameters), and gives its statistics and
+ * settings. Rendering itself begins with a sweep, which lists the Gaussians that may be seen in an interval; then tiles are
+ * rendered. */
 #include "td_device.h"
 #include "td_renderer.h"
 #include "td_struct.h"
@@ -11,8 +11,8 @@
 #include <stdlib.h>
 
 enum {
-    RECORD_LIMIT = 1 << 20,          /* records per launch: 64 MB of them, some 0.3 s of two cores */
-    RECORDS_INTERRUPTIBLE = 1 << 14, /* on a reference, fifty times as slow, where a caller may stop it or watches */
+    RECORD_LIMIT = 1 << 20,          /* records per launch: 64 MB, and about 0.3 s on two cores */
+    RECORDS_INTERRUPTIBLE = 1 << 14, /* for a reference, which is fifty times slower, if somebody may stop it */
     ROW_LIMIT = 1 << 20              /* rows of moving Gaussians per launch, and as many kept between launches: 128 MB each */
 };
 
@@ -34,7 +34,7 @@ static tides_status check_arguments(const tides_device *device, const tides_scen
                    "tides_renderer_create: device, scene, intrinsics, params and renderer must all be given");
 }
 
-/* Arrays whose sizes the store gives, and where each object begins in it. */
+/* Allocates arrays whose sizes follow from the store, and finds where each object begins in it. */
 static tides_status allocate(tides_renderer *renderer, tides_error *error) {
     size_t count = (size_t)renderer->store.count, objects = (size_t)renderer->store.objects;
     renderer->sweep.boxes = td_alloc(count * 4, sizeof *renderer->sweep.boxes, error);
@@ -74,7 +74,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
     if (status == TIDES_OK) status = td_image_take_training(params, scene, &made->image, error);
     if (status == TIDES_OK) status = td_image_take_transfer(params, scene, &made->image, error);
-    /* Hard order blends splats of one depth in the scene's. */
+    /* Hard order blends splats of equal depth in the scene's order, so the store must keep that order. */
     if (status == TIDES_OK)
         status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, made->image.soft_order, &made->store, error);
     if (status == TIDES_OK) status = td_dynamic_create(scene, &made->store, made->row_limit, &made->dynamic, error);
@@ -157,7 +157,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     td_mosaic_add_stats(renderer, stats);
 }
 
-/* Times of `now`, and all else of `before`. */
+/* The statistics `before`, with the times of `now`. */
 static tides_render_stats counts_of(const tides_render_stats *before, const tides_render_stats *now) {
     tides_render_stats both = *before;
     both.time_build_s = now->time_build_s;

@@ -1,4 +1,4 @@
-/* Facts of a renderer: its precision, knots, motion in its tiles and blocks, and the numbers of its image for checkpoints. */
+/* Facts about a renderer: its precision, knots, motion in its tiles and blocks, and the numbers that define its image. */
 #include "td_device.h"
 #include "td_renderer.h"
 
@@ -13,8 +13,8 @@ int td_renderer_is_double(const tides_renderer *renderer) { return td_device_is_
 
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return renderer->candidates.moving[tile]; }
 
-/* The largest travel over a colour filter's channels. Travel includes the channels' colours; td_renderer_tile_moves is about
- * places alone. */
+/* The largest travel over a colour filter's channels. Travel includes changes of colour, which differ by channel; whether a
+ * tile moves depends on places only. */
 double td_renderer_tile_travel(const tides_renderer *renderer, int tile) {
     double most = 0;
     for (; renderer; renderer = renderer->beside) most = fmax(most, (double)renderer->candidates.travel[tile]);

@@ -1,11 +1,12 @@
-/* The decisions of each renderer as numbers, from their sources (INRIA's diff-gaussian-rasterization, gsplat), and ours.
+/* The decisions of each image.rules as numbers, from their sources (INRIA's diff-gaussian-rasterization, gsplat), and TIDES's
+ * own:
  *
  *            near          alpha_max  cut                    stop                      extent
  *   inria    0.2, hard     0.99       1/255, hard            T(1-a) < 1e-4, excluded   square of ceil(3 sigma_max), 16 px tiles
  *   gsplat   0.01, hard    0.999      1/255, hard            T(1-a) <= 1e-4, excluded  per axis, opacity-aware, 16 px tiles
  *   smooth   0.2, faded    0.99       0.1/255 to 1/255, C2   bound on L, included      the ellipse, out to the end of the taper
  *
- * smooth is inria made continuous in time: each jump of inria is a false event or a wrong timestamp (DESIGN 3.1). */
+ * smooth is inria made continuous in time, because each jump of inria is a false event or a wrong timestamp. */
 #include "camera/td_lens.h"
 #include "td_renderer.h"
 #include "td_transfer.h"
@@ -13,7 +14,7 @@
 #include <math.h>
 
 static const double alpha_cut = 1.0 / 255.0;
-static const double jacobian_margin = 0.3; /* of tan(fov/2), beyond the image's border */
+static const double jacobian_margin = 0.3; /* share of tan(fov/2) beyond the image's border */
 static const double no_limit = 1e6;
 
 static void set_inria(td_image *image) {
@@ -51,13 +52,13 @@ static void set_smooth(td_image *image, const tides_smoothing *smoothing) {
     if (smoothing->ellipses) image->extent_rule = TD_EXTENT_ELLIPSE;
 }
 
-/* Where x/z and y/z are clamped in the Jacobian: 0.3 tan(fov/2) beyond the borders (gsplat; INRIA's +-1.3 tan(fov/2) when
- * centred, and symmetric whatever the centre). */
+/* Sets the bounds at which x/z and y/z are clamped in the Jacobian: 0.3 tan(fov/2) beyond the borders. That is gsplat's rule.
+ * INRIA clamps at +-1.3 tan(fov/2), which is the same for a centred principal point, and symmetric for any. */
 static void set_limits(td_image *image, int32_t rules, const tides_intrinsics *camera) {
     double tan_x = 0.5 * camera->width / camera->fx, tan_y = 0.5 * camera->height / camera->fy;
     double left = camera->cx / camera->fx, top = camera->cy / camera->fy;
     double right = (camera->width - camera->cx) / camera->fx, bottom = (camera->height - camera->cy) / camera->fy;
-    if (image->lens_model == TD_LENS_EQUIDISTANT) { /* nothing grows beyond bounds there */
+    if (image->lens_model == TD_LENS_EQUIDISTANT) { /* its Jacobian is bounded without a clamp */
         image->limit_x0 = image->limit_y0 = -no_limit;
         image->limit_x1 = image->limit_y1 = no_limit;
         return;
@@ -75,9 +76,9 @@ static void set_limits(td_image *image, int32_t rules, const tides_intrinsics *c
     image->limit_y1 = bottom + jacobian_margin * tan_y;
 }
 
-/* A number of the image and where it must lie: the ranges of the run file's keys (lib/run/params_table.c). Within
- * them no product that is formed of them leaves single precision; a log_eps of 1e-12 and less lets L_dot = Y_dot / (Y +
- * log_eps) do so where it is dark. */
+/* A number of the image and its allowed range, the same as of the run file's key. Within these ranges no product of the
+ * numbers overflows single precision. One exception: with a log_eps of 1e-12 or less, L_dot = Y_dot / (Y + log_eps) may
+ * overflow in the dark. */
 typedef struct ranged {
     const char *name;
     double value, lower, upper;
@@ -127,7 +128,7 @@ static tides_status check_params(const tides_image_params *params, tides_error *
 }
 
 void tides_image_params_defaults(tides_image_params *params) {
-    /* The measures of smooth were chosen by error against run time (tests/bench/own/bench_image.c). */
+    /* The numbers of smooth were chosen by error against run time (`own_bench image`). */
     static const tides_image_params defaults = {.size = sizeof defaults,
                                                 .rules = TIDES_RULES_SMOOTH,
                                                 .antialias = TIDES_ANTIALIAS_FILE,

@@ -1,6 +1,6 @@
-/* Neighbours in space as neighbours in memory: along the curve that interleaves the bits of x, y and z (Morton, IBM 1966), in a
- * cube of 2048^3 cells. The cube is as large as most Gaussians need, since a few far ones would leave the others a handful of
- * cells. */
+/* Puts neighbours in space next to each other in memory, along the curve that interleaves the bits of x, y and z (Morton, IBM
+ * 1966), in a cube of 2048^3 cells. The cube holds most Gaussians: if it held a few far ones, too, all others would share a
+ * handful of cells. */
 #include "td_space_order.h"
 
 #include "td_base.h"
@@ -17,7 +17,7 @@ typedef struct item {
 } item;
 
 typedef struct cube {
-    double low[3], per_side; /* cells to a unit */
+    double low[3], per_side; /* cells per unit of length */
 } cube;
 
 static uint64_t key_of(const void *context, const void *one) {
@@ -25,7 +25,7 @@ static uint64_t key_of(const void *context, const void *one) {
     return ((const item *)one)->key;
 }
 
-/* The bits of a cell's number, three apart. */
+/* Spreads the bits of a cell's coordinate three places apart. */
 static uint64_t spread(uint64_t x) {
     x = (x | x << 16) & 0x1f0000ff0000ff;
     x = (x | x << 8) & 0x100f00f00f00f00f;
@@ -33,7 +33,7 @@ static uint64_t spread(uint64_t x) {
     return (x | x << 2) & 0x1249249249249249;
 }
 
-/* From the second to the next to last percent of samples along each axis, and as much again. */
+/* The cube from the second to the 98th percentile of samples along each axis, enlarged to twice the size. */
 static cube find_cube(const float *mean, int64_t count) {
     double sample[SAMPLES] = {0}, side = 0;
     cube made = {{0}, 0};
@@ -57,7 +57,7 @@ static cube find_cube(const float *mean, int64_t count) {
 static uint64_t cell_of(const cube *in, const float *mean) {
     uint64_t cell = 0;
     for (int k = 0; k < 3; k++) {
-        const double at = (mean[k] - in->low[k]) * in->per_side; /* NaN is below all */
+        const double at = (mean[k] - in->low[k]) * in->per_side; /* NaN goes to cell 0 */
         cell |= spread((uint64_t)(at > 0 ? fmin(at, CELLS - 1) : 0)) << k;
     }
     return cell;

@@ -1,5 +1,6 @@
-/* The padded arrays of a whole scene, as backends read them: objects split into what rests, in space's order where that may be
- * (td_space_order.h), and what moves, Gaussians activated once, in double, widened to the strides of kernels/layout.h. */
+/* Makes the padded arrays of a whole scene that backends read. Each object is split into Gaussians at rest (reordered along a
+ * space-filling curve where order is free) and those that move. Gaussians are activated once, in double, and widened to the
+ * kernels' strides. */
 #include "motion/td_activate.h"
 #include "motion/td_motion.h"
 #include "td_space_order.h"
@@ -16,25 +17,25 @@ static void widen(const float *from, double *to, int count) {
 
 /* -- parts ---------------------------------------------------------------------------------------------------------- */
 
-/* Gaussians of one scene object that are all at rest in it, or all move by themselves: an object of the store. */
+/* An object of the store: Gaussians of one scene object that all rest in it, or all move by themselves. */
 typedef struct store_part {
-    int object;        /* in the scene */
-    int moving, first; /* in the store */
+    int object;        /* index in the scene */
+    int moving, first; /* first: index in the store */
     int64_t count;
 } store_part;
 
 typedef struct store_plan {
     store_part *parts;
     int count;
-    uint8_t *moving; /* of every Gaussian of the scene, object by object */
+    uint8_t *moving; /* for every Gaussian of the scene, object by object */
     int64_t padded;
-    int fades, in_space; /* td_store_create's */
+    int fades, in_space; /* arguments of td_store_create */
 } store_plan;
 
 static void add_part(store_plan *plan, int object, int moving, int64_t count) {
     if (count == 0) return;
     store_part added = {object, moving, 0, count};
-    added.first = plan->padded < INT_MAX ? (int)plan->padded : 0; /* too many are refused afterwards */
+    added.first = plan->padded < INT_MAX ? (int)plan->padded : 0; /* too many Gaussians are refused later */
     plan->parts[plan->count++] = added;
     plan->padded += (count + TD_PAD - 1) / TD_PAD * TD_PAD;
 }
@@ -63,8 +64,8 @@ static void free_plan(store_plan *plan) {
     free(plan->moving);
 }
 
-/* The order of the Gaussians of a part. Gaussians at rest come along a curve where that is asked for; all others come in their
- * own order. The caller frees it. */
+/* The order of a part's Gaussians, which the caller frees: along a space-filling curve for Gaussians at rest, if `in_space`;
+ * otherwise the object's own. */
 static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *moving, const store_part *part, int in_space,
                                int64_t **order, tides_error *error) {
     *order = td_alloc((size_t)part->count, sizeof **order, error);
@@ -75,8 +76,8 @@ static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *
     return TIDES_OK;
 }
 
-/* One part's Gaussians into the store. Coefficients of a lower degree than the scene's are padded with zeros. Gaussians that
- * move stay invisible here. */
+/* Copies a part's Gaussians to the store. Coefficients beyond the object's SH degree are zero. Gaussians that move stay
+ * invisible here: their rows are computed for each time. */
 static void add_part_rows(const tides_gaussians *gaussians, const int64_t *order, const store_part *part, int number,
                           td_store *store) {
     int own = 3 * (gaussians->sh_degree + 1) * (gaussians->sh_degree + 1), g = part->first;
@@ -96,7 +97,7 @@ static void add_part_rows(const tides_gaussians *gaussians, const int64_t *order
     for (int i = part->first; i < g; i++) store->object[i] = number;
 }
 
-/* An object's parts, from number `first` on, and its motion. */
+/* Adds an object's parts, from number `first` on, and its motion. */
 static tides_status add_object(const tides_scene *scene, const store_plan *plan, int first, const uint8_t *moving,
                                td_store *store, tides_error *error) {
     tides_object object;
@@ -121,7 +122,7 @@ static tides_status add_object(const tides_scene *scene, const store_plan *plan,
     return status == TIDES_OK ? status : td_fail_within(error, status, "motion of object %d", which);
 }
 
-/* Zeros that a device may read where they are (td_buffer_lend): from a line of memory on, and so much behind the end. */
+/* Allocates zeros that a device may read in place: aligned to a cache line, with slack behind the end. */
 static void *allocate_shared(size_t count, size_t size, tides_error *error) {
     void *memory = NULL;
     if (count > (SIZE_MAX - TD_BUFFER_SLACK) / size || posix_memalign(&memory, 64, count * size + TD_BUFFER_SLACK) != 0) {

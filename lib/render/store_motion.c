@@ -1,14 +1,14 @@
-/* The motions of a scene as a store holds them: what moves goes to the movers, what rests in spite of a motion is worked out
- * here, once. */
+/* The motions of a scene in its store. Gaussians that move get a mover. Rows of Gaussians that rest in spite of a motion are
+ * computed here, once. */
 #include "motion/td_motion.h"
 #include "td_renderer.h"
 
 #include <limits.h>
 #include <stdlib.h>
 
-enum { DATA_ALIGN = 16 }; /* reals: a vector load of a device */
+enum { DATA_ALIGN = 16 }; /* reals: alignment for a device's vector loads */
 
-/* Rows of Gaussians that the motion leaves as they are. */
+/* Computes the rows of Gaussians that the motion leaves at rest. */
 static tides_status rest(const tides_object *object, const td_mover_numbers *numbers, const td_resting *resting, int fades,
                          td_store *store, tides_error *error) {
     size_t count = (size_t)resting->count, first = (size_t)resting->first,
@@ -26,7 +26,7 @@ static tides_status rest(const tides_object *object, const td_mover_numbers *num
     return status;
 }
 
-/* The number of a kind of kernel, a new one where there's none like it. */
+/* The number of a kind of kernel; a new one if no equal kind exists. */
 static tides_status find_kind(td_movers *movers, int model, const char *defines, int *kind, tides_error *error) {
     for (*kind = 0; *kind < movers->kinds; (*kind)++)
         if (movers->kinds_of[*kind].model == model && strcmp(movers->kinds_of[*kind].defines, defines) == 0) return TIDES_OK;
@@ -40,7 +40,7 @@ static tides_status find_kind(td_movers *movers, int model, const char *defines,
     return TIDES_OK;
 }
 
-/* Appends a motion's data, from a multiple of DATA_ALIGN on. */
+/* Appends a motion's data, aligned to DATA_ALIGN. */
 static tides_status add_data(td_movers *movers, const td_mover_numbers *numbers, int *first, tides_error *error) {
     size_t from = (movers->data_count + DATA_ALIGN - 1) / DATA_ALIGN * DATA_ALIGN, count = from + numbers->data_count;
     if (count > INT_MAX) return td_fail(error, TIDES_UNSUPPORTED, "%zu numbers are more than 32-bit indices reach", count);
@@ -48,7 +48,7 @@ static tides_status add_data(td_movers *movers, const td_mover_numbers *numbers,
     if (!grown) return td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu numbers of a motion", count);
     for (size_t i = movers->data_count; i < from; i++) grown[i] = 0;
     if (numbers->data_count) memcpy(grown + from, numbers->data, numbers->data_count * sizeof *grown);
-    grown[count] = 0; /* a device wants one number at least */
+    grown[count] = 0; /* a device needs at least one number */
     movers->data = grown;
     movers->data_count = count;
     *first = (int)from;
@@ -71,7 +71,7 @@ static tides_status add_mover(const tides_object *object, const td_mover_numbers
     if (status == TIDES_OK) status = find_kind(movers, model, numbers->defines, &kind, error);
     if (status == TIDES_OK) status = add_data(movers, numbers, &first, error);
     if (status != TIDES_OK) return status;
-    /* td_mover's members behind `own`, in its order */
+    /* members of td_mover behind `own`, in its order */
     const int facts[] = {model, first, (int)object->gaussians.count, numbers->moves_sh != 0, fades};
     td_mover_row *row = &movers->row[movers->count];
     memset(row, 0, sizeof *row);

@@ -1,13 +1,13 @@
-/* Swaps of depth of two splats (td_swaps.h): when, how long they take, and what they are worth to the blocks of a tile. */
+/* Swaps of depth of two splats: when they happen, how long they take, and how much light they move in each block of a tile. */
 #include "td_extremes.h"
 #include "td_math.h"
 #include "td_swaps.h"
 
 #include <math.h>
 
-/* -- what a pair is to a block --------------------------------------------------------------------------------------------- */
+/* -- a pair in a block --------------------------------------------------------------------------------------------- */
 
-/* -ln of what a splat lets a pixel see of it: half the form about (u, v), and that of its opacity. */
+/* -ln of a splat's alpha at a pixel: half the quadratic form around (u, v), plus -ln of its opacity. */
 typedef struct form {
     double u, v, a, b, c, rest;
 } form;
@@ -17,7 +17,7 @@ static double form_at(const form *f, double x, double y) {
     return 0.5 * (dx * (f->a * dx + 2 * f->b * dy) + f->c * dy * dy) + f->rest;
 }
 
-/* The rows of an object's view at s of part k: the cubic through both its ends. */
+/* The rows of an object's view at place s in part k: on the cubic through the part's ends. */
 static void view_at(const td_swap_samples *at, int object, int k, double s, double r[9], double t[3]) {
     const td_view *from = &at->view[(size_t)k * (size_t)at->objects + (size_t)object], *to = from + at->objects;
     const double rest = 1 - s, way = s * s * (3 - 2 * s), start = at->h * s * rest * rest, end = -at->h * s * s * rest;
@@ -25,7 +25,7 @@ static void view_at(const td_swap_samples *at, int object, int k, double s, doub
     for (int i = 0; i < 3; i++) t[i] = from->t[i] + way * (to->t[i] - from->t[i]) + start * from->t_dot[i] + end * to->t_dot[i];
 }
 
-/* A splat there; 0 where it is behind the camera (EWA, kernels/projection.h). */
+/* The form of a splat at that time, by EWA; 0 if it is behind the camera. */
 static int find_form(const td_image *image, const td_swap_samples *at, const td_swap_splat *of, int k, double s, form *f) {
     const double *g = of->geometry, *m = g + TD_G_FACTOR;
     double r[9], t[3], p[3], row[2][3];
@@ -53,7 +53,7 @@ static int find_form(const td_image *image, const td_swap_samples *at, const td_
     return det > 0;
 }
 
-/* Where the sum of two forms is least within a block, for a box of it: its own least place, moved into the box. */
+/* The least value of the sum of two forms in a block, approximately: at the sum's minimum, clamped into the block. */
 static double least_in(const form *f, const form *g, double x0, double y0) {
     const double a = f->a + g->a, b = f->b + g->b, c = f->c + g->c, det = a * c - b * b;
     const double p = f->a * f->u + f->b * f->v + g->a * g->u + g->b * g->v,
@@ -70,7 +70,7 @@ static double least_in(const form *f, const form *g, double x0, double y0) {
 
 /* -- a pair ---------------------------------------------------------------------------------------------------------------- */
 
-/* The blocks of a tile that both boxes touch, as bits; corner: the tile's first pixel. */
+/* The blocks of a tile that both boxes touch, as bits. corner: the tile's first pixel. */
 static unsigned blocks_of(const td_swap_splat *a, const td_swap_splat *b, const int corner[2]) {
     unsigned blocks = 0;
     const double left = td_greater((double)a->box[0], (double)b->box[0]) - corner[0],
@@ -84,7 +84,7 @@ static unsigned blocks_of(const td_swap_splat *a, const td_swap_splat *b, const 
     return blocks;
 }
 
-/* Two splats that a tile's blocks may see, and where their times go. */
+/* Two splats of a tile, and where their swaps are stored. */
 typedef struct pair {
     td_swap_tile *tile;
     const td_swap_splat *a, *b;
@@ -92,8 +92,8 @@ typedef struct pair {
     double contrast, slow;
 } pair;
 
-/* The light of a swap to a block of the tile where both splats have these forms. NULL: their place isn't known, and may be
- * anywhere. */
+/* The light that a swap moves in a block of the tile, if both splats have these forms. NULL: their places aren't known, and
+ * may be anywhere. */
 static double light_in(const pair *of, int block, const form *f, const form *g) {
     const int *corner = of->tile->corner;
     if (!f) return of->contrast * of->a->opacity * of->b->opacity;
@@ -106,8 +106,8 @@ static void add_swap(td_swap_tile *tile, const td_swap *swap) {
     if (tile->status == TIDES_OK) swaps->swap[swaps->count++] = *swap;
 }
 
-/* Notes a swap at s of part k of the samples, `wide` parts to either side, for each block that sees both splats. Through a lens
- * the places of splats aren't computed. */
+/* Notes a swap at place s in part k, `wide` parts to either side, for each block that sees both splats. Through a lens the
+ * splats' places aren't computed. */
 static void note_time(const pair *of, int k, double s, double wide) {
     form f, g;
     const td_swap_samples *at = of->tile->at;
@@ -138,7 +138,7 @@ static double bend_of(const double b[4], double s) {
     return 6 * ((1 - s) * (b[0] - 2 * b[1] + b[2]) + s * (b[1] - 2 * b[2] + b[3]));
 }
 
-/* Where the cubic, which goes one way in [from, to], is 0, if it is. */
+/* Notes the zero of the cubic in [from, to], where it is monotone, if it has one. */
 static void note_level(const double b[4], double from, double to, double within, const pair *of, int k) {
     enum { HALVINGS = 24 };
     const double begin = value_of(b, from), end = value_of(b, to);
@@ -154,7 +154,7 @@ static void note_level(const double b[4], double from, double to, double within,
     note_time(of, k, s, within / fabs(slope_of(b, s)));
 }
 
-/* Turns of the cubic within (0, 1), in order. */
+/* The cubic's turning points within (0, 1), in order. */
 static int turns_of(const double b[4], double turn[2]) {
     const double p = b[1] - b[0], q = b[2] - b[1], r = b[3] - b[2], a = p - 2 * q + r, half = q - p;
     const double inside = half * half - a * p;
@@ -170,7 +170,7 @@ static int turns_of(const double b[4], double turn[2]) {
     return count;
 }
 
-/* The times within part k at which two splats are of one depth, or turn within reach of one. */
+/* Notes the times within part k at which two splats have equal depths, or turn back within reach of each other. */
 static void note_part(const pair *of, double near, int k) {
     const td_swap_splat *a = of->a, *b = of->b;
     const double third = of->tile->at->h / 3, d0 = a->z[k] - b->z[k], d1 = a->z[k + 1] - b->z[k + 1];
@@ -191,7 +191,7 @@ static void note_part(const pair *of, double near, int k) {
 
 /* -------------------------------------------------------------------------------------------------------------------------- */
 
-/* Do boxes have nothing in common? */
+/* 1 if the boxes don't overlap. */
 static int are_apart(const td_swap_splat *a, const td_swap_splat *b) {
     return a->box[0] > b->box[2] || b->box[0] > a->box[2] || a->box[1] > b->box[3] || b->box[1] > a->box[3];
 }

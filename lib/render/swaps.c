@@ -1,11 +1,11 @@
-/* Swaps of depth (td_swaps.h): which splats that a tile may see come within reach of one another's depth in the interval swept
- * last, and when. On the host, in double, from the views of a few samples and the cubics between them.
+/* Swaps of depth: finds which splats of a tile come within reach of each other's depth in the interval swept last, and when.
+ * It works on the host, in double, from views at a few samples and the cubics between them.
  *
- * Most scenes have none that samples could miss. A swap of two splats of one rigid body that is seen to turn lasts long where
- * the turn is slow and the splats are small: what takes more than a share of the interval shows in its samples. One that is
- * shorter needs splats so large that the turn takes their depths past each other fast, and one that comes back within the
- * interval needs depths that stray by the reach from going straight. Splats of different bodies are looked at wherever their
- * depths meet. Splats that motion models move aren't searched, since their paths aren't known. */
+ * In most scenes no swap is short enough to be missed by samples. Two splats of one rigid body swap slowly if the body turns
+ * slowly and they are small; a swap that takes more than a share of the interval shows in its samples. A shorter one needs
+ * large splats, so that the turn moves their depths fast. One that returns within the interval needs depths that deviate from
+ * a straight line by more than the reach. Splats of different bodies are checked wherever their depths meet. Splats moved by
+ * motion models aren't searched: their paths aren't known. */
 #include "camera/td_rotation.h"
 #include "scene/td_scene.h"
 #include "td_extremes.h"
@@ -15,31 +15,33 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Depths are known at so many intervals' ends at least, and at most; more where a view turns by more than `steady` in one: a
- * cubic is then within 4e-6 of the way of what turns. */
+/* Parts of the interval at whose ends depths are computed: 4 to 64. There are more if a view turns by more than `steady`
+ * [rad] in a part; with 0.2 a cubic is within 4e-6 of a turning path. */
 enum { LEAST_PARTS = 4, MOST_PARTS = 64 };
 static const double steady = 0.2;
 
-/* Reach of a splat in standard deviations of its ellipsoid: out to there a splat of opacity 1 has 1/255 left. */
+/* Extent of a splat in standard deviations of its ellipsoid: there, a splat of opacity 1 has alpha 1/255. */
 static const double sigmas = 3.4;
 
-/* Pairs of a tile that are looked at, of bodies and within them: 10 ms of a processor each. Further pairs of a denser tile
- * aren't searched. */
+/* Pairs checked per tile, between bodies and within them: 10 ms of processor time each. Further pairs of a denser tile aren't
+ * searched. */
 enum { MOST_PAIRS = 1 << 20 };
 
-/* Centres of splats that overlap in the image at one depth are apart by the sum of their extents, and by more off the axis. */
+/* Two splats that overlap in the image at equal depth have centres at most the sum of their extents apart, times this factor
+ * off the axis. */
 static const double askew = 1.5;
 
-/* The share of their light by which splats that show another colour from each side may differ beside their constant terms. */
+/* Allowance for splats whose colour depends on the view: their light may differ by this share beside the constant terms. */
 static const double by_view = 0.1;
 
-/* A splat's possible partners in a swap. MAY_SWAP: splats of other bodies only; MAY_SHORTLY: its own body's, too, if shortly;
- * MAY_ALONE: its own body's, too. */
+/* Possible partners of a splat in a swap. MAY_SWAP: only splats of other bodies; MAY_SHORTLY: also of its own body, if the
+ * swap is short; MAY_ALONE: also of its own body. */
 enum { MAY_NOT, MAY_SWAP, MAY_SHORTLY, MAY_ALONE };
 
-/* -- making it ------------------------------------------------------------------------------------------------------------- */
+/* -- making and freeing
+ * ------------------------------------------------------------------------------------------------------------- */
 
-/* No smaller than the largest standard deviation: Frobenius' norm of the factor. */
+/* An upper bound of the largest standard deviation: Frobenius' norm of the factor. */
 static float extent_of(const double *geometry) {
     double sum = 0;
     for (int k = 0; k < 9; k++) sum += geometry[TD_G_FACTOR + k] * geometry[TD_G_FACTOR + k];
@@ -81,7 +83,7 @@ void td_swaps_destroy(struct td_swaps *swaps) {
 
 /* -- bodies ---------------------------------------------------------------------------------------------------------------- */
 
-/* Objects at rest are one body, whatever their places; every other is one of its own. */
+/* Finds bodies: all objects at rest are one body, and each other object is a body of its own. */
 static tides_status find_groups(const tides_renderer *renderer, struct td_swaps *swaps, tides_error *error) {
     for (int i = 0; i < renderer->store.objects; i++) {
         tides_object object;
@@ -92,13 +94,13 @@ static tides_status find_groups(const tides_renderer *renderer, struct td_swaps 
     return TIDES_OK;
 }
 
-/* How far apart two rows of views are. */
+/* Distance between two rows of views. */
 static double apart(const double *a, const double *b) {
     const double way[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return td_length3(way);
 }
 
-/* Views at the ends of so many parts of the interval: renderer->views. */
+/* Computes views at the ends of `parts` parts of the interval: renderer->views. */
 static tides_status find_views(tides_renderer *renderer, const tides_trajectory *camera, int parts, tides_error *error) {
     const double start = renderer->sweep.interval[0], stop = renderer->sweep.interval[1];
     double time[MOST_PARTS + 1];
@@ -107,7 +109,7 @@ static tides_status find_views(tides_renderer *renderer, const tides_trajectory 
     return td_renderer_views(renderer, camera, time, parts + 1, error);
 }
 
-/* Largest turn in a part of the row of a view that makes depths. */
+/* Largest turn within a part, of a view's row that gives depths. */
 static double most_turned(const tides_renderer *renderer, int parts) {
     const size_t objects = (size_t)renderer->store.objects;
     double most = 0;
@@ -118,7 +120,7 @@ static double most_turned(const tides_renderer *renderer, int parts) {
     return most;
 }
 
-/* Views at the ends of the interval's parts: enough of them that none turns by much in one. */
+/* Computes views at the ends of parts, with so many parts that no view turns much in one. */
 static tides_status take_views(tides_renderer *renderer, const tides_trajectory *camera, struct td_swaps *swaps,
                                td_swap_samples *at, tides_error *error) {
     int parts = LEAST_PARTS;
@@ -137,7 +139,7 @@ static tides_status take_views(tides_renderer *renderer, const tides_trajectory 
     return status;
 }
 
-/* How far the row that makes depths strays from going straight. */
+/* How far the row that gives depths deviates from a straight line. */
 static double turning_of(const td_swap_samples *at, int object) {
     const double *from = at->view[object].r + 6, *to = at->view[(size_t)at->parts * (size_t)at->objects + (size_t)object].r + 6;
     double most = 0;
@@ -150,7 +152,7 @@ static double turning_of(const td_swap_samples *at, int object) {
     return most;
 }
 
-/* How far the row that makes depths would go in the interval at the greatest rate that its samples have. */
+/* How far that row would go in the interval at its largest rate. */
 static double turned_by(const td_swap_samples *at, int object) {
     double most = 0;
     for (int k = 0; k <= at->parts; k++)
@@ -166,16 +168,17 @@ static double depth_rate_at(const td_view *view, const double *mean) {
     return view->r_dot[6] * mean[0] + view->r_dot[7] * mean[1] + view->r_dot[8] * mean[2] + view->t_dot[2];
 }
 
-/* How far a splat may be in its object's units from what it shares a pixel with at its depth: half of that. */
+/* Half the distance, in its object's units, between a splat at depth z and a splat that shares a pixel with it at that
+ * depth. */
 static double reach_of(const tides_renderer *renderer, const struct td_swaps *swaps, int g, double z) {
     const td_image *image = &renderer->image;
     return askew * ((double)swaps->extent[g] + sigmas * sqrt(image->dilation) * fabs(z) / image->fx);
 }
 
-/* Which Gaussians may swap at all; whether any may. */
+/* Finds which Gaussians may swap; returns 1 if any may. */
 static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at) {
     const td_store *store = &renderer->store;
-    const double share = 0.5 * TD_SWAP_REACH * renderer->image.soft_depth; /* of two splats alike */
+    const double share = 0.5 * TD_SWAP_REACH * renderer->image.soft_depth; /* reach in depth of two equal splats */
     int moving = 0, rests = 0, any = 0;
     for (int i = 0; i < store->objects; i++) {
         swaps->turning[i] = swaps->group[i] >= 0 ? turning_of(at, i) : 0;
@@ -207,7 +210,7 @@ static int by_depth(const void *a, const void *b) {
     return (x->box > y->box) - (x->box < y->box);
 }
 
-/* Bodies, and within each by depth at the start. */
+/* Sorts by body, and within a body by depth at the start. */
 static int by_start(const void *a, const void *b) {
     const td_swap_splat *x = a, *y = b;
     if (x->group != y->group) return x->group < y->group ? -1 : 1;
@@ -253,8 +256,7 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
     to->z_dot = z_dot;
 }
 
-/* Takes the splats of a tile's list that may swap. It takes none where all are of one body and no splat may swap within its
- * own. */
+/* Takes the splats of a tile's list that may swap. Takes none if all are of one body within which no swap is possible. */
 static tides_status take_splats(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
                                 int *count, int *bodies, int *within, tides_error *error) {
     const int *first = renderer->candidates.first, *list = renderer->candidates.list;
@@ -284,7 +286,7 @@ static tides_status take_splats(const tides_renderer *renderer, struct td_swaps 
 
 /* -------------------------------------------------------------------------------------------------------------------------- */
 
-/* Pairs of splats of different bodies. */
+/* Checks pairs of splats of different bodies. */
 static void look_across(td_swap_tile *of, const td_swap_splat *all, int count, double near) {
     int pairs = 0;
     for (int i = 0; i < count && of->status == TIDES_OK; i++) {
@@ -295,19 +297,19 @@ static void look_across(td_swap_tile *of, const td_swap_splat *all, int count, d
     }
 }
 
-/* 1 where two splats of one object have no short swap. Their depths' difference strays from a straight line by their distance
- * times the stray of the depth of a unit. So they are out of reach throughout, or within it for long. */
+/* 1 if two splats of one object have no short swap. The difference of their depths deviates from a straight line by at most
+ * their distance times the object's deviation per unit. So they are out of reach throughout, or within reach for long. */
 static int is_none(const td_swap_tile *of, const td_swap_splat *a, const td_swap_splat *b, double near, double slow) {
     const double from = b->z[0] - a->z[0], to = b->z[of->at->parts] - a->z[of->at->parts];
     const double within = near * td_greater(fabs(a->z[0]), fabs(a->z[of->at->parts]));
     if (a->object != b->object) return 0;
     const double strays = askew * of->swaps->turning[a->object] * apart(a->geometry + TD_G_MEAN, b->geometry + TD_G_MEAN);
-    const double most = fabs(to - from) + 4 * strays; /* of a parabola, at the ends */
+    const double most = fabs(to - from) + 4 * strays; /* slope of a parabola at its ends */
     return (from * to > 0 && td_lesser(fabs(from), fabs(to)) > within + strays) || slow * most < within;
 }
 
-/* Pairs of one body's, sorted by_start: those that may swap within it with all of them that their own turn brings within reach.
- * A pair is looked at from whichever may sway further. */
+/* Checks pairs within one body, sorted by by_start: splats that may swap within it, with all that its turn brings within
+ * reach. A pair is found from the splat that may move further. */
 static void look_within(td_swap_tile *of, const td_swap_splat *all, int count, double near) {
     int pairs = 0;
     for (int i = 0; i < count && of->status == TIDES_OK; i++) {
@@ -356,10 +358,11 @@ static int by_place(const void *a, const void *b) {
     if (x->block != y->block) return x->block < y->block ? -1 : 1;
     if (x->part != y->part) return x->part < y->part ? -1 : 1;
     if (x->light != y->light) return x->light > y->light ? -1 : 1;
-    return x->wide > y->wide ? -1 : x->wide < y->wide; /* equal ones are alike: qsort may put them in any order */
+    /* equal entries are interchangeable, so qsort may put them in any order */
+    return x->wide > y->wide ? -1 : x->wide < y->wide;
 }
 
-/* Sorts what was found by blocks. */
+/* Sorts the swaps by block and time. */
 static tides_status lay_swaps(const tides_renderer *renderer, struct td_swaps *swaps, tides_error *error) {
     const size_t blocks = (size_t)renderer->stats.tiles * TD_TILE_BLOCKS;
     if (swaps->count == 0) return TIDES_OK;

@@ -1,9 +1,9 @@
-/* Sweeps: candidate lists that hold for an interval. Objects at rest before a camera at rest keep their boxes; the others are
- * swept in as many pieces as their paths ask for, and what moves by itself in as many as its motion does. */
+/* Sweeps: candidate lists for an interval. Objects at rest before a camera at rest keep their boxes. Other objects are swept
+ * in as many pieces as their paths need, and Gaussians that move by themselves in as many as their motion needs. */
 #include "camera/td_trajectory.h"
 #include "td_renderer.h"
 
-/* Which objects move against the camera. */
+/* Notes which objects move relative to the camera. */
 static tides_status note_moves(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
     int camera_moves = !tides_trajectory_is_static(camera);
     for (int32_t i = 0; i < renderer->store.objects; i++) {
@@ -16,8 +16,8 @@ static tides_status note_moves(tides_renderer *renderer, const tides_trajectory 
     return TIDES_OK;
 }
 
-/* The sweep's treatment of an object of the store. BOX_DYNAMIC: td_dynamic_sweep_rows does it. From BOX_WANTED on: the level of
- * its pieces. */
+/* How the sweep treats an object of the store: keeps its boxes, leaves it to the sweep of dynamic Gaussians, or sweeps it in
+ * 2^level pieces, level = kind - BOX_WANTED. */
 enum { BOX_KEPT = -2, BOX_DYNAMIC = -1, BOX_WANTED = 0 };
 
 static int box_kind(const tides_renderer *renderer, int object, int kept) {
@@ -35,8 +35,8 @@ tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_traje
     return status == TIDES_OK ? td_renderer_views(renderer, camera, renderer->sweep.times, times, error) : status;
 }
 
-/* Which of an object's clusters may be seen in the interval whose views the renderer has; those that may not any more have no
- * boxes. */
+/* Finds the clusters of an object that may be in view in the interval, from the renderer's views. Boxes of clusters that left
+ * the view are emptied. */
 static void look_for(tides_renderer *renderer, int object, double start, double stop) {
     td_clusters *clusters = &renderer->clusters;
     const td_view *views = renderer->scratch.views + object;
@@ -55,7 +55,7 @@ static void look_for(tides_renderer *renderer, int object, double start, double 
     }
 }
 
-/* Boxes of the objects from `first` on, neighbours of one level, up to object `end`. */
+/* Sweeps the neighbouring objects [first, end), which have the same level. */
 static tides_status sweep_objects(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                   int first, int end, tides_error *error) {
     int level = renderer->sweep.strays.level[first];
@@ -76,8 +76,7 @@ static tides_status sweep_objects(tides_renderer *renderer, const tides_trajecto
     return status == TIDES_OK && level > 0 ? td_renderer_sweep_views(renderer, camera, start, stop, 0, error) : status;
 }
 
-/* Boxes of every Gaussian that doesn't move by itself; where the camera rests where it rested, only of the objects that
- * move. */
+/* Sweeps every Gaussian that doesn't move by itself. If the camera rests at the same pose as before, only objects that move. */
 static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                 tides_error *error) {
     tides_pose pose;
@@ -89,7 +88,7 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
     renderer->sweep.rested = 0;
     for (int i = 0; i < renderer->store.objects && status == TIDES_OK;) {
         int begin = i, kind = box_kind(renderer, i, kept);
-        while (i < renderer->store.objects && box_kind(renderer, i, kept) == kind) i++; /* neighbours in one go */
+        while (i < renderer->store.objects && box_kind(renderer, i, kept) == kind) i++; /* neighbours of one kind together */
         if (kind >= BOX_WANTED)
             status = sweep_objects(renderer, camera, start, stop, begin, i, error);
         else if (kind == BOX_KEPT)
@@ -102,7 +101,7 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
     return status;
 }
 
-/* Boxes of every Gaussian that moves by itself. */
+/* Sweeps every Gaussian that moves by itself. */
 static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                 tides_error *error) {
     if (!renderer->dynamic.gaussians) return TIDES_OK;
@@ -117,12 +116,13 @@ static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory
     return status == TIDES_OK ? td_dynamic_sweep_pieces(renderer, camera, start, stop, error) : status;
 }
 
-/* Lists of the boxes, with what else tells what moves, and where. */
+/* Makes lists from the boxes, and notes which tiles move. */
 static tides_status make_lists(tides_renderer *renderer, tides_error *error) {
     const td_groups seen = td_clusters_seen(&renderer->clusters, 0, renderer->store.objects);
     const td_boxes boxes = {renderer->sweep.boxes, renderer->sweep.travel, renderer->sweep.object_moves, &seen};
     tides_status status = td_candidates_build(&renderer->candidates, &renderer->store, &boxes, error);
-    const int all_moves = renderer->image.decoder && renderer->sweep.object_moves[0]; /* what is behind everything moves too */
+    /* the decoder's output behind all splats depends on the ray */
+    const int all_moves = renderer->image.decoder && renderer->sweep.object_moves[0];
     if (status == TIDES_OK && all_moves) memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
     if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);
     const int by_tiles = all_moves || renderer->psf.radius || renderer->image.extent_rule != TD_EXTENT_ELLIPSE;
@@ -144,7 +144,7 @@ tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_traje
     if (status == TIDES_OK) status = sweep_moved(renderer, camera, start, stop, error);
     double begun = td_now();
     renderer->candidates.instant = !(start < stop);
-    /* Lists stay valid as boxes do, where nothing moves and nothing did. */
+    /* Lists stay valid while no box changes. */
     if (status == TIDES_OK && !renderer->sweep.listed) status = make_lists(renderer, error);
     renderer->stats.time_sweep_s += td_now() - begun;
     return status;

@@ -5,32 +5,32 @@
 
 #include "td_points.h"
 
-/* Error that paths may have, in log_luminance, at most: at L_dot = 20 /s it is 25 ns. */
+/* Largest error of paths, in log_luminance: with L_dot = 20 /s it is 25 ns. */
 #define TD_POINT_PATH_TARGET 5e-7
 
-/* Error that paths may have where a motion model moves the Gaussian. Its rows may be in single precision, rounded to some 1e-5
- * px: a misfit of sixteen times this isn't all rounding. With 1e-5, p95 was 0.7 us in a scene whose samples in single precision
- * alone have 0.2 us (tests/property/test_motion_events.c). */
+/* Largest error of paths of Gaussians that a motion model moves. Their rows may be in single precision, rounded to about 1e-5
+ * px, so that a smaller error may be rounding. With 1e-5 here, p95 was 0.7 us in a scene whose samples in single precision
+ * have 0.2 us (tests/property/test_motion_events.c). */
 #define TD_POINT_PATH_MOVED 1e-6
 
-/* The interval in which points are asked for: the lists of a swept interval, and its ends, or the ends of a part of it. */
+/* The interval in which points are requested, or a part of it: candidate lists, begin and end. */
 typedef struct td_point_span {
     const int *first, *list; /* as td_candidates has them */
     const float *boxes;      /* (store.count x 4) what each Gaussian in a list touches */
     double start, stop;      /* [s after the epoch] */
-    double shortest;         /* no part is shorter because paths bend [s] */
-    uint64_t serial;         /* tells it from others */
+    double shortest;         /* least length of a part that is cut because paths bend [s] */
+    uint64_t serial;         /* identifies the swept interval */
 } td_point_span;
 
-/* How long the one curve of an instant is, of which but the beginning is asked for [s]: so short that nothing moves on it, and
- * a power of two, so that rates are what they were. */
+/* Length of an instant's only curve, of which only the beginning is used [s]: so short that nothing moves on it, and a power
+ * of two, so that rates keep their bits. */
 #define TD_POINT_INSTANT 0x1p-40
 
 typedef struct td_point_nodes {
-    td_exact *exact; /* whose rows are its own until the next that share it are found */
-    int is_shared;   /* it is another's */
-    td_view *kept;   /* (objects) views of an instant that is kept, whose paths may have forgotten it; else NULL */
-    double *knot;    /* (pieces + 1) where the pieces of the interval begin and end [s after the epoch] */
+    td_exact *exact; /* its rows are valid until another user of the scene finds rows */
+    int is_shared;   /* 1: it belongs to another td_point_nodes */
+    td_view *kept;   /* (objects) views of a kept instant, which open paths may have forgotten; else NULL */
+    double *knot;    /* (pieces + 1) ends of the pieces of the interval [s after the epoch] */
     int pieces;
     double *piece_length; /* (pieces) [s] */
     int *path;            /* (store.count) first curves * TD_PATH_LEVELS + level; or TD_PATH_UNSEEN, ... */
@@ -47,7 +47,7 @@ typedef struct td_point_nodes {
     int *open_at;   /* (count) of those that have a level's rows from the one before, but for what was open: */
     uint8_t *open;  /* from open[open_at[i]] on, each curve of the level before that; -1: all rows are their own */
     int open_count;
-    int *halve_from, *halve_to; /* (halves) first rows, of a level and of the next */
+    int *halve_from, *halve_to; /* (halves) first rows, in a level and in the next one */
     int halves;
     int *first; /* (count + TD_PAD) first rows */
     int rows;
@@ -67,11 +67,11 @@ typedef struct td_point_nodes {
         entry_capacity[2], job_capacity;
 } td_point_nodes;
 
-/* 1 for an instant, where one row of each Gaussian is enough. */
+/* 1 for an instant, for which each Gaussian needs only one row. */
 static inline int td_point_is_instant(const td_point_nodes *nodes) { return !(nodes->knot[0] < nodes->knot[nodes->pieces]); }
 
 struct tides_renderer;
-/* `shared`: another's scene in double, or NULL. */
+/* `shared`: the scene in double of another td_point_nodes, or NULL. */
 tides_status td_point_nodes_create(const struct tides_renderer *renderer, td_exact *shared, td_point_nodes *nodes,
                                    tides_error *error);
 void td_point_nodes_release(td_point_nodes *nodes);
@@ -99,11 +99,11 @@ int td_point_nodes_expected(const td_point_nodes *nodes);
 tides_status td_point_rows_project(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                    int level, tides_error *error);
 
-/* Rows of Gaussians [end[k - 1], end[k]) at time[k], for k below `slots`: their first, whatever their level. */
+/* Computes the first rows of Gaussians [end[k - 1], end[k]) at time[k], for each k below `slots`, whatever their level. */
 tides_status td_point_rows_direct(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                   const double *time, const int *end, int slots, tides_error *error);
 
-/* How many slices their interval has, for tests (kernels/point_tests.h). */
+/* Number of slices of the interval, for tests of which splats a point may see. */
 td_points_slices td_point_nodes_slices(const td_point_nodes *nodes);
 
 #endif

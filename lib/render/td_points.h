@@ -1,5 +1,5 @@
-/* Internal to lib/render: single pixels at single times (kernels/points.h), in double precision. Two classes, OpenCL and its
- * twin in C, give the same bits; points.c asks them. */
+/* Internal to lib/render: engines that compute points (single pixels at single times) in double precision. Two classes,
+ * OpenCL and C, give the same bits. */
 #ifndef TD_POINTS_ENGINE_H
 #define TD_POINTS_ENGINE_H
 
@@ -13,17 +13,17 @@
 
 enum { TD_POINT_TILE_INTS = 4, TD_POINT_CHUNK_INTS = 3, TD_POINT_COLUMNS = 4 };
 
-/* A tile's candidates, or the splats of its list: td_point_tile of kernels/points.h. */
+/* A tile's candidates, or the splats of its list; layout of td_point_tile in the kernels. */
 typedef struct td_points_tile {
     int x, y, first, count;
 } td_points_tile;
 
-/* Points [first, first + count) of one tile: td_point_chunk. */
+/* Points [first, first + count) of one tile; layout of td_point_chunk. */
 typedef struct td_points_chunk {
     int tile, first, count;
 } td_points_chunk;
 
-/* How an interval is sliced: td_point_slices. */
+/* How an interval is sliced for tests of splats against points; layout of td_point_slices. */
 typedef struct td_points_slices {
     int pieces, count, split, group;
 } td_points_slices;
@@ -35,7 +35,7 @@ typedef struct td_points_interval {
     td_points_slices slices;
     const int *candidates; /* (candidate_count) what tiles point into */
     int candidate_count;
-    const td_points_tile *tiles; /* (tile_count) all of the image */
+    const td_points_tile *tiles; /* (tile_count) all tiles of the image */
     int tile_count;
 } td_points_interval;
 
@@ -62,9 +62,9 @@ static inline td_points_backdrop td_points_backdrop_of(const td_image *image, co
     return (td_points_backdrop){backdrop->colour[0], backdrop->colour_dot[0], backdrop->colour[1], backdrop->colour[2]};
 }
 
-/* Points, tile by tile; arrays are readable for TD_PAD further ones. */
+/* Points, tile by tile; TD_PAD numbers behind the end of each array must be readable. */
 typedef struct td_points_batch {
-    const double *column[TD_POINT_COLUMNS]; /* pixel centres x and y, s, h */
+    const double *column[TD_POINT_COLUMNS]; /* pixel centres x and y; place s in the curve; length h of the curve [s] */
     const int *piece;
     int count;
     const td_points_chunk *chunks;
@@ -72,24 +72,24 @@ typedef struct td_points_batch {
     td_points_backdrop backdrop;
 } td_points_batch;
 
-/* A request for misfits of paths of a level, by their first rows (count; readable for TD_PAD further ones). */
+/* A request for misfits of a level's paths, given by their first rows (count; TD_PAD more must be readable). */
 typedef struct td_points_misfits {
     td_exact *exact;
-    int row_count; /* in all */
+    int row_count; /* number of all rows */
     const int *first;
-    int count, level;      /* level: 1 at least */
+    int count, level;      /* level: at least 1 */
     const double *lengths; /* (pieces) [s] */
     int pieces;
-    double target; /* of log_luminance */
+    double target; /* allowed error of log_luminance */
 } td_points_misfits;
 
-/* The fit of cubics of the level before: by how many targets they miss the rows in their middles at most (count). `each` has
- * that of every curve: each[curve x count], unless it is NULL. */
+/* Misfits of the previous level's cubics: how far they miss the rows in their middles, in units of the target. worst: of each
+ * path (count). each: of every curve, each[curve x count], or NULL. */
 typedef struct td_points_fit {
     float *worst, *each;
 } td_points_fit;
 
-/* Curves of the level before. */
+/* Curves of the previous level. */
 static inline size_t td_points_tried(const td_points_misfits *request) {
     return (size_t)request->pieces << (request->level - 1);
 }
@@ -104,8 +104,8 @@ typedef struct td_points_class {
     tides_status (*add)(td_points_engine *engine, const td_points_group *group, tides_error *error);
     /* Makes the lists of these tiles of the interval, of what has paths: (count). */
     tides_status (*lists)(td_points_engine *engine, const int *tiles, int count, tides_error *error);
-    /* values: (2 x count) L and L_dot, there once `finish` has been called; of the batch nothing is read any more after this.
-     * Lists of their tiles are made. */
+    /* Computes values: (2 x count) L and L_dot, valid after `finish`. The batch isn't read after the call. Lists of its tiles
+     * must be made before. */
     tides_status (*values)(td_points_engine *engine, const td_points_batch *batch, double *values, tides_error *error);
     tides_status (*finish)(td_points_engine *engine, tides_error *error);
     void (*destroy)(td_points_engine *engine);
@@ -113,12 +113,11 @@ typedef struct td_points_class {
 
 struct td_points_engine {
     const td_points_class *type;
-    int lanes;   /* most points of a chunk */
-    int goes_on; /* values are worked out while the host does something else */
+    int lanes;   /* largest number of points in a chunk */
+    int goes_on; /* 1: values are computed while the host does other work */
 };
 
-/* Engines of points: on an OpenCL device with double precision (TIDES_UNSUPPORTED where it has none), or the twin in C,
- * anywhere. */
+/* Engines: on an OpenCL device with double precision (else TIDES_UNSUPPORTED), or in C on the host. */
 tides_status td_points_create_opencl(tides_device *device, const td_image_numbers *image, td_points_engine **engine,
                                      tides_error *error);
 tides_status td_points_create_twin(const td_image_numbers *image, td_points_engine **engine, tides_error *error);

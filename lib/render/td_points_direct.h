@@ -1,7 +1,6 @@
-/* Internal to lib/render: single pixels that see a splat whose path cubics don't follow (point_nodes.c): a clamp of colour,
- * of the Jacobian or at the near plane makes a kink of it, and what cubics make of that is wrong by thresholds. All that
- * such a pixel may see is projected at the point's own time, and nothing is between rows. It costs ten times as much as a
- * point on curves. */
+/* Internal to lib/render: points that see a splat whose path cubics don't follow, because a clamp (of colour, of the
+ * Jacobian, at the near plane) makes a kink in it. A cubic there would be wrong by whole thresholds. All that such a point
+ * may see is projected at the point's own time, without curves. That costs ten times as much as a point on curves. */
 #ifndef TD_POINTS_DIRECT_H
 #define TD_POINTS_DIRECT_H
 
@@ -9,13 +8,13 @@
 #include "td_render.h"
 
 typedef struct td_points_direct {
-    td_points_engine *engine; /* NULL: none has been needed */
-    td_point_nodes nodes;     /* of a lot: a row for each splat of each point */
-    uint8_t *bent;            /* (height x width) pixels that may see one */
+    td_points_engine *engine; /* NULL: not needed so far */
+    td_point_nodes nodes;     /* of a lot (a batch of points): a row for each splat of each point */
+    uint8_t *bent;            /* (height x width) 1: pixels that may see such a splat */
     int any;
-    int *end;     /* (points of a lot) in nodes.gaussians; */
-    double *time; /* and their times */
-    int *lists;   /* what tiles point into */
+    int *end;     /* (points of a lot) ends in nodes.gaussians, */
+    double *time; /* and times */
+    int *lists;   /* lists of the tiles */
     int *numbers; /* 0, 1, ... */
     int *sights;  /* (2 x Gaussians of the lot) the pixels that may see each */
     td_points_tile *tiles;
@@ -36,7 +35,7 @@ static inline int td_points_direct_sees(const td_points_direct *direct, const td
     return direct->any && direct->bent[(size_t)point->y * (size_t)width + (size_t)point->x];
 }
 
-/* Values of the points numbered which[0 .. count). `exact`: the scene in double, whose rows are others' no more after this. */
+/* Computes the points which[0 .. count). `exact`: the scene in double; the rows that it held before are lost. */
 tides_status td_points_direct_values(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,
                                      td_exact *exact, const td_point_span *span, const td_point *points, const int *which,
                                      int count, td_point_value *values, tides_error *error);

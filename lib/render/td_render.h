@@ -1,9 +1,9 @@
-/* Internal: the renderer as the rest of lib uses it: solver, baselines, checkpoints. Everything here is a call on a
- * tides_renderer; what that is made of is in td_renderer.h, which only lib/render and tests of its parts include.
+/* Internal: the renderer's interface for the rest of lib (solver, baselines, checkpoints). All functions work on a
+ * tides_renderer.
  *
- * A run asks in this order: once, planes to get kernels ready for; then for each interval of time a sweep, which lists the
- * Gaussians that each tile may see in it, and any number of batches of tiles at times within it. Files that include this are
- * compiled in double. Functions of one renderer aren't called from two threads at once. */
+ * A run first prepares kernels for the planes it needs. Then, for each interval of time, it makes a sweep, which lists the
+ * Gaussians that each tile may see, and renders any number of batches of tiles at times within the interval. Files that
+ * include this are compiled in double. Only one thread at a time may use a renderer. */
 #ifndef TD_RENDER_H
 #define TD_RENDER_H
 
@@ -16,31 +16,31 @@
 
 /* -- times ----------------------------------------------------------------------------------------------------------------- */
 
-/* From now on times are offsets from `epoch` [s], so that times of 1e9 s resolve like those near 0; a new renderer's is 0. */
+/* Sets the epoch [s], 0 at first. All later times are offsets from it, so that times of 1e9 s resolve as finely as times near
+ * 0. */
 void td_renderer_set_epoch(tides_renderer *renderer, double epoch);
 
-/* Times at which rates of motion models may jump [s after the epoch], ascending; the renderer's, until the epoch is set
- * anew. */
+/* Knots: times at which rates of motion models may jump [s after the epoch], ascending. Valid until the epoch is set again. */
 const double *td_renderer_knots(const tides_renderer *renderer, size_t *count);
 
 /* -- getting ready --------------------------------------------------------------------------------------------------------- */
 
-/* Builds the kernels for these planes (TD_OUT_SIGNAL ..), which a batch otherwise does when it comes. */
+/* Builds the kernels for these planes (TD_OUT_SIGNAL ..). Otherwise the first batch builds them. */
 tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_error *error);
 
-/* From the next sweep on rows of expensive motion models are interpolated within an interval where log_luminance is off by less
- * than `tolerance` and, where time_tolerance_s > 0, late by less than that. */
+/* Allows interpolated rows of expensive motion models, from the next sweep on. The error of log_luminance must stay below
+ * `tolerance` and, if time_tolerance_s > 0, that of times below this. */
 tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
 
 /* -- stopping -------------------------------------------------------------------------------------------------------------- */
 
-/* From now on `interrupt` (NULL: none) is called before each launch of tiles or points. If it returns other than 0, the work
- * under way ends with TIDES_CANCELLED: its results must not be used, and the renderer is as good as before. */
+/* Sets a function (NULL: none) that is called before each launch of tiles or points. If it returns other than 0, the current
+ * work ends with TIDES_CANCELLED: its results are invalid, but the renderer stays usable. */
 typedef int (*td_interrupt)(void *user);
 void td_renderer_set_interrupt(tides_renderer *renderer, td_interrupt interrupt, void *user);
 
-/* Counts so far, by each channel of a colour filter, for work that may be undone. td_renderer_put_counts restores them, but for
- * the time that went by. */
+/* The counts of the statistics so far, of each channel of a colour filter. After work is undone, td_renderer_put_counts
+ * restores them, except for times. */
 typedef struct td_render_counts {
     tides_render_stats own[3], backend[3];
 } td_render_counts;
@@ -49,48 +49,49 @@ void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *co
 
 /* -- an interval ----------------------------------------------------------------------------------------------------------- */
 
-/* Makes candidate lists that hold for every time in [start, stop] [s after the epoch]. */
+/* Makes candidate lists that are valid for every time in [start, stop] [s after the epoch]. */
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error);
 
-/* A swap of depth of two splats that a block sees: when, in 1 / TD_SWAP_PARTS of the interval (over 10 ms 1.2 us, a
- * twentieth of what two splats 4 units away take to pass at 30 units/s), and by how much it moves Y, at most. */
+/* A swap: two splats of a block change places in depth. `part` is its time in 1 / TD_SWAP_PARTS of the interval. Over 10 ms a
+ * part is 1.2 us, a twentieth of what two splats 4 units away take to pass at 30 units/s. `light` is the largest change of Y
+ * by the swap. */
 enum { TD_SWAP_PARTS = 1 << 13 };
 typedef struct td_swap {
     int32_t block; /* tile * TD_TILE_BLOCKS + the tile's block */
     int32_t part;
-    float light; /* of colours, where light isn't linear in these (td_renderer_swap_scale) */
-    float wide;  /* so many parts before and after it next to nothing of it is left */
+    float light; /* in units of colours, if light isn't linear in these (td_renderer_swap_scale) */
+    float wide;  /* half its length in parts: beyond, almost nothing of the change is left */
 } td_swap;
 
-/* Looks for those of the interval swept last (swaps.c); none in hard order, where the image jumps at each. Then those of a
- * block of a tile, in order of time: (count). */
+/* Finds the swaps of the interval swept last; none in hard order, in which the image jumps at each. td_renderer_swaps returns
+ * those of a block of a tile in order of time: (count). */
 tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
 const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count);
 
-/* Scale of a swap's light where exp(log_luminance) is `light`: about so much of it changes log_luminance by 1. */
+/* Scale of a swap's light where exp(log_luminance) is `light`: about this much changes log_luminance by 1. */
 double td_renderer_swap_scale(const tides_renderer *renderer, double light);
 
-/* 1 where a splat that the tile may see moves on the screen in the interval swept last; and the largest travel of one of these,
- * in diameters of its own. */
+/* 1 if a splat that the tile may see moves on the screen in the interval swept last; and the largest travel of such a splat,
+ * in its own diameters. */
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile);
 double td_renderer_tile_travel(const tides_renderer *renderer, int tile);
 
-/* Motion and travel of 4x4 blocks, from the next sweep on. A block in which nothing moves may still change by what image.stop
- * leaves open: lists end where the tile's brightest splat says. */
+/* Enables motion and travel of 4x4 blocks, from the next sweep on. A block without motion may still change, by at most the
+ * error that image.stop allows: lists end where the tile's brightest splat says. */
 void td_renderer_by_blocks(tides_renderer *renderer);
 int td_renderer_block_moves(const tides_renderer *renderer, int tile, int block);
 double td_renderer_block_travel(const tides_renderer *renderer, int tile, int block);
 
-/* Tiles in a row of the image; tiles are in reading order. */
+/* Number of tiles in a row; tiles are in reading order. */
 int td_renderer_tiles_across(const tides_renderer *renderer);
 
 /* -- tiles at times -------------------------------------------------------------------------------------------------------- */
 
-/* Which rate a sample has where those of a motion jump at its time: that of what ends there, or of what begins. */
+/* Which rate a sample has at a time where a motion's rates jump: that of the motion before the time, or after it. */
 enum { TD_SIDE_ENDS = -1, TD_SIDE_BEGINS = 1 };
 
-/* A tile at one of the times given, or some of its 4x4 blocks: the others cost no compositing. */
+/* A tile at one of the given times, or some of its 4x4 blocks: other blocks cost no compositing. */
 typedef struct td_request {
     int tile, slot; /* slot: index into the times */
     int blocks;     /* bit k: block k, row by row; 0: all */
@@ -98,7 +99,7 @@ typedef struct td_request {
 
 static inline int td_request_blocks(const td_request *request) { return request->blocks ? request->blocks : TD_ALL_BLOCKS; }
 
-/* Tiles to render, in one launch where memory allows. Everything is borrowed for the call. */
+/* Tiles to render, in one launch if memory allows. All pointers are borrowed for the call. */
 typedef struct td_tile_batch {
     const double *times; /* (slots) [s after the epoch], within the swept interval */
     int slots;
@@ -108,13 +109,13 @@ typedef struct td_tile_batch {
     int outputs; /* planes wanted: TD_OUT_LUMINANCE .. _COLOUR, or _TRUTH for ground truth */
 } td_tile_batch;
 
-/* Renders them: planes (count x outputs x TD_TILE_PIXELS), pixels block by block (td_tile_pixel), blurred where the renderer
- * has a PSF. Blocks that aren't asked for aren't written, or hold anything. A block's pixels are the same whichever others
- * are asked for. TIDES_BAD_ARGUMENT where a pixel comes out infinite or not a number, naming it, the time and the splat. */
+/* Renders a batch: planes (count x outputs x TD_TILE_PIXELS), pixels block by block (td_tile_pixel), blurred if the renderer
+ * has a PSF. Blocks that aren't requested are undefined. A block's pixels don't depend on which others are requested.
+ * TIDES_BAD_ARGUMENT if a pixel is infinite or NaN; the error names it, the time and the splat. */
 tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                double *planes, tides_error *error);
 
-/* Where pixel (x, y) of a tile is in a plane: 4x4 blocks, row by row. */
+/* Index of a tile's pixel (x, y) in a plane: 4x4 blocks one after the other, row by row. */
 static inline int td_tile_pixel(int x, int y) { return 64 * (y >> 2) + 16 * (x >> 2) + 4 * (y & 3) + (x & 3); }
 
 /* -- single pixels at single times ---------------------------------------------------------------------------------------- */
@@ -162,33 +163,33 @@ tides_status td_renderer_keep_instant(tides_renderer *renderer, const tides_traj
 tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                      size_t count, td_point_value *values, tides_error *error);
 
-/* 1 where those are in double but for what motion models have worked out in single precision. */
+/* 1 if points are in double, except for rows from motion models, which are in single precision. */
 int td_renderer_points_rounded(const tides_renderer *renderer);
 
-/* Exact points of the interval swept last on no record path: all that each may see is projected at its own time, at ten times
- * the cost. The difference is the error of record paths. */
+/* Computes points of the interval swept last without record paths: all that each may see is projected at its own time, at ten
+ * times the cost. The difference is the error of record paths. */
 tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                        size_t count, td_point_value *values, tides_error *error);
 
 /* -- frames ---------------------------------------------------------------------------------------------------------------- */
 
-/* tides_renderer_frame at an offset from the renderer's epoch: a sweep of that instant, and all tiles. */
+/* tides_renderer_frame at an offset from the renderer's epoch: sweeps that instant, and renders all tiles. */
 tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
                                tides_error *error);
 
-/* The fastest motion in the image at `time` within [start, stop] [px/s]: of what is at rest in the world, pixel by pixel from
- * the camera's motion and the rendered depth Z (height x width), as ESIM does; of what moves by itself, splat by splat, hidden
- * ones too. */
+/* The fastest motion in the image at `time`, within [start, stop] [px/s]. For all that is at rest in the world it follows
+ * from the camera's motion and the rendered depth Z (height x width), pixel by pixel, as in ESIM. For all that moves it
+ * follows from each splat, hidden ones included. */
 tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *camera, double time, double start, double stop,
                               const double *Z, double *fastest, tides_error *error);
 
 /* -- which renderer it is -------------------------------------------------------------------------------------------------- */
 
-/* 1 where it computes in double precision: its samples have no rounding to speak of. */
+/* 1 if it computes in double precision: then rounding errors of samples are negligible. */
 int td_renderer_is_double(const tides_renderer *renderer);
 
-/* The numbers that decide a renderer's images besides scene, paths and device: image formation as resolved, intrinsics, blur,
- * background, colour filter. Equal numbers make equal images. */
+/* The numbers that define a renderer's images besides scene, paths and device: image formation, intrinsics, blur, background,
+ * colour filter. Equal numbers give equal images. */
 enum { TD_IMAGE_FACTS = 68 };
 void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]);
 

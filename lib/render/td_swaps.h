@@ -1,35 +1,34 @@
-/* Internal to lib/render: swaps of depth. Where two splats that overlap come within reach of one another's depth, the image
- * goes from one order of theirs to the other, or there and back, within a time that no sample needs to be in: soft order
- * (docs/soft_order.md) makes it depth difference over its rate, against soft_depth. When that is follows from the motions, and
- * steps are cut there. */
+/* Internal to lib/render: swaps of depth. When two overlapping splats come within reach of each other's depth, the image
+ * changes from one order to the other, or there and back. That may happen between two samples. With soft order, its length is
+ * soft_depth times the depth, divided by the rate of the depths' difference. Its time follows from the motions, and steps are
+ * cut there. */
 #ifndef TD_SWAPS_H
 #define TD_SWAPS_H
 
 #include "td_renderer.h"
 
-/* Splats are within reach where exp(-reach) of what they take of the light is left to be shared: below 2 % of it. */
+/* Reach: splats are apart when less than exp(-TD_SWAP_REACH), 2 %, of the light they take is still shared. */
 #define TD_SWAP_REACH 4.0
 
-/* Swaps that move Y by less than this are nothing, whatever is seen. */
+/* A smaller change of Y isn't counted as a swap. */
 #define TD_SWAP_LEAST_LIGHT 1e-5
 
-/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples; of splats of one body that
- * is seen to turn evenly, a larger one than the other. Choices: demo's 50 ms took 15 % longer with 0.25, 7 with 0.1, 0 so. */
+/* A swap whose half-length is above this share of the interval shows in its samples. The smaller share is for splats of one
+ * body that turns evenly. Choices: the demo's 50 ms took 15 % longer with 0.25 for both, 7 % with 0.1, and 0 with these. */
 #define TD_SWAP_SLOW 0.25
 #define TD_SWAP_SLOW_WITHIN 0.05
 
-/* A Gaussian of a tile's list: its box, depths within the interval, and these and their rates at the samples (parts + 1). */
+/* A Gaussian of a tile's list: its box, its range of depth in the interval, and depths and rates at the samples (parts + 1). */
 typedef struct td_swap_splat {
     const float *box;
-    double least, most, sway; /* sway: half of how far a turn takes its depth against that of what overlaps it */
+    double least, most, sway; /* sway: half the distance by which a turn moves its depth against that of overlapping splats */
     const double *geometry;
-    double opacity, luminance; /* of the constant term */
+    double opacity, luminance; /* by the constant SH term */
     int object, group, may;
     const double *z, *z_dot;
 } td_swap_splat;
 
-/* Samples of a search for swaps: `parts` of the interval, each h seconds long, and views at their ends (parts + 1 x
- * objects). */
+/* Samples for the search: `parts` parts of the interval, each h seconds long, and views at their ends (parts + 1 x objects). */
 typedef struct td_swap_samples {
     int parts, objects;
     double h;
@@ -37,33 +36,33 @@ typedef struct td_swap_samples {
 } td_swap_samples;
 
 struct td_swaps {
-    float *extent;   /* (store.count) half-axis of the ellipsoid that may be seen, in the object's units */
-    int *group;      /* (objects) of those that are one rigid body; -1: they have no path of their own to know */
-    double *turning; /* (objects) how far a unit's depth strays from going straight within the interval, */
-    double *turned;  /* (objects) and how far its depth goes, at the greatest rate */
-    uint8_t *may;    /* (store.count) whether one may swap with splats of other bodies, or of its own, too */
+    float *extent;   /* (store.count) half-axis of the visible ellipsoid, in the object's units */
+    int *group;      /* (objects) number of its rigid body; -1: its path isn't known */
+    double *turning; /* (objects) deviation of a unit's depth from a straight line in the interval, */
+    double *turned;  /* (objects) and its change at the greatest rate */
+    uint8_t *may;    /* (store.count) its possible partners: splats of other bodies, or also of its own */
     td_view *view;   /* (samples x objects) */
     size_t view_capacity;
-    td_swap *swap; /* (count) by block, then time */
+    td_swap *swap; /* (count) sorted by block, then time */
     size_t count, swap_capacity;
     int32_t *first;       /* (blocks + 1) */
     td_swap_splat *splat; /* of a tile */
-    double *depth;        /* and their depths and rates */
+    double *depth;        /* their depths and rates */
     size_t splat_capacity, depth_capacity;
 };
 
-/* A tile whose pairs are looked at, and how that went. */
+/* A tile whose pairs are checked, and the status so far. */
 typedef struct td_swap_tile {
     struct td_swaps *swaps;
     const td_image *image;
     const td_swap_samples *at;
     int tile, corner[2]; /* corner: its first pixel */
-    double contrast;     /* of Y, beside that of the constant terms */
+    double contrast;     /* largest difference of Y between splats, beyond that of the constant terms */
     tides_status status;
     tides_error *error;
 } td_swap_tile;
 
-/* Adds all swaps of two splats that take no more than this share to those of the tile's blocks (swap_pair.c). */
+/* Adds the swaps of two splats to the tile's blocks, if they take no more than this share of the interval. */
 void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b, double slow);
 
 tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error);

@@ -1,6 +1,5 @@
-/* Tiles at times: requests to jobs of a backend, in launches that memory has room for. The candidates of a job are the sweep's;
- * what blurs the result is psf.c, what refuses it nonfinite.c, and scenes with dynamic Gaussians get their rows first
- * (dynamic/tile_jobs.c). */
+/* Tiles at times: turns requests into jobs for the backend, in launches that fit into memory. The candidates of a job are the
+ * sweep's. In scenes with dynamic Gaussians, the rows for the requested times are computed first. */
 #include "td_renderer.h"
 
 #include <stdlib.h>
@@ -20,7 +19,7 @@ static td_job job_of(const tides_renderer *renderer, const td_request *request, 
                     .blocks = td_request_blocks(request)};
 }
 
-/* Requests to jobs, longest first, and the list of requests without candidates; returns the number of jobs. */
+/* Makes jobs from requests, longest first, and lists requests without candidates; returns the number of jobs. */
 static int make_jobs(tides_renderer *renderer, const td_request *requests, int count, int *empty_count) {
     const td_candidates *candidates = &renderer->candidates;
     int jobs = 0;
@@ -42,7 +41,7 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
     return jobs;
 }
 
-/* Runs the jobs in launches of limited records (a single job may need more). */
+/* Runs the jobs, in launches with limited records (a single job may need more). */
 static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *jobs, int count, double *planes,
                              tides_error *error) {
     tides_status status = TIDES_OK;
@@ -62,7 +61,7 @@ static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *
     return status;
 }
 
-/* Tiles that nothing can reach: the backdrop by formula. */
+/* Fills tiles without candidates with the backdrop. */
 static void fill_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs, double *planes) {
     double pixel[TD_OUT_COLOUR];
     for (int i = 0; i < empty_count; i++) {
@@ -78,7 +77,7 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
 
-/* Draws the backdrop into the images, for tiles that nothing can reach. */
+/* Draws the backdrop into the images, for tiles without candidates. */
 static void draw_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs,
                        const td_pictures *to) {
     double pixel[TD_OUT_COLOUR];
@@ -94,7 +93,7 @@ static void draw_empty(tides_renderer *renderer, const td_request *requests, int
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
 
-/* Runs empty tiles as jobs, as a decoder needs: its output for no splats depends on the ray. */
+/* Runs empty tiles as jobs, for a decoder: its output without splats depends on the ray. */
 static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const td_request *requests, int count, double *planes,
                               tides_error *error) {
     if (count == 0) return TIDES_OK;
@@ -105,7 +104,7 @@ static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const t
     return run_jobs(renderer, batch, renderer->scratch.jobs, count, planes, error);
 }
 
-/* Room for as many requests. */
+/* Makes room for `count` requests. */
 static tides_status reserve(tides_renderer *renderer, size_t count, tides_error *error) {
     tides_status status = td_reserve((void **)&renderer->scratch.jobs, &renderer->scratch.job_capacity, count,
                                      sizeof *renderer->scratch.jobs, error);
@@ -139,7 +138,7 @@ tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_traject
     batch.in_order = renderer->scratch.in_order;
     batch.pictures = pictures;
     const td_groups groups = {renderer->candidates.groups, renderer->candidates.group_count};
-    const int moves = renderer->dynamic.gaussians > 0; /* whose rows are to be worked out for the batch's times */
+    const int moves = renderer->dynamic.gaussians > 0; /* their rows have to be computed for the batch's times */
     if (!moves) batch.groups = &groups;
     status = moves ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->scratch.jobs, jobs, planes, error)
                    : run_jobs(renderer, &batch, renderer->scratch.jobs, jobs, planes, error);

@@ -1,5 +1,4 @@
-/* From an image's parameters and its scene to the numbers of its transfer (kernels/transfer.h), and the way back, from light to
- * colours. */
+/* Computes the numbers of an image's transfer from its parameters and scene, and converts light to colours. */
 #include "td_transfer.h"
 
 #include "kernels/transfer.h"
@@ -14,8 +13,8 @@ double td_transfer_colour(const td_transfer *transfer, double light) {
     return light / transfer->slope;
 }
 
-/* No exponent has a slope in 0 that is worth a word, but numbers down there have logarithms that single precision can't
- * tell. */
+/* Below this colour a gamma curve is replaced by a straight line. Its slope there is negligible, and single precision has no
+ * logarithms of smaller numbers. */
 static const double power_joint = 1e-30;
 
 static td_transfer transfer_of(int32_t kind, double gamma) {
@@ -24,8 +23,8 @@ static td_transfer transfer_of(int32_t kind, double gamma) {
     return kind == TIDES_TRANSFER_SRGB ? srgb : power;
 }
 
-/* The least power of two that is enough, with a factor of 2 to spare: of what comes half is on top of 2 stop times what is
- * there (channels.h). None is where nothing is seen of any channel. */
+/* Colour still to come above which compositing can't stop, since it changes any pixel's L by more than `stop`. It is the
+ * least such power of two, with a factor of 2 to spare; infinite if no channel has luminance. */
 static double sure_of(const td_image *image) {
     const double white = td_white(image);
     double sure = 1;
@@ -36,7 +35,7 @@ static double sure_of(const td_image *image) {
     return white > 0 ? sure : HUGE_VAL;
 }
 
-/* f' x / f is no more than gamma. */
+/* Sets the transfer. f' x / f is at most gamma. */
 void td_image_set_transfer(int32_t kind, double gamma, td_image *image) {
     td_transfer *to = &image->transfer;
     *to = (td_transfer){.slope = 1, .scale = 1, .gamma = 1, .steepest = 1, .dark = image->log_eps};
@@ -61,7 +60,8 @@ tides_status td_image_take_transfer(const tides_image_params *params, const tide
     return status;
 }
 
-/* f' / (f + log_eps) is at most `steepest` over the sum of the colour and that of log_eps, and a fourth. */
+/* The slope f' / (f + log_eps) is at most `steepest` divided by the sum of the colour and log_eps's colour; a fourth of that
+ * is used. */
 double td_renderer_swap_scale(const tides_renderer *renderer, double light) {
     const td_image *image = &renderer->image;
     if (!image->is_coded) return light;

@@ -1,4 +1,4 @@
-/* Ground truth of whole images, by a pass of its own over the splats (kernels/truth.h). */
+/* Ground truth of whole images, by a pass of its own over the splats. */
 #include "td_renderer.h"
 #include "tides/truth.h"
 

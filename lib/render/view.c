@@ -1,10 +1,10 @@
-/* Object to camera at one time, with its rate: the product of two rigid motions. */
+/* Views: the map from object to camera at one time, with its rate. It is the product of two rigid motions. */
 #include "camera/td_trajectory.h"
 #include "motion/td_motion.h"
 #include "scene/td_scene.h"
 #include "td_renderer.h"
 
-/* Below any colour that a method has: it doesn't clamp them. */
+/* Colour floor for methods that don't clamp colours: below any colour. */
 static const double no_floor = -1e30;
 
 typedef double matrix3[9];
@@ -57,7 +57,7 @@ static tides_status view_from(const tides_scene *scene, int32_t i, const tides_p
     if (status == TIDES_OK && object.trajectory) status = td_trajectory_at(object.trajectory, epoch, time, &pose, error);
     if (status != TIDES_OK) return td_fail_within(error, status, "path of object %d", (int)i);
     if (!object.trajectory) pose = at_rest;
-    td_pose_add_origin(&pose, object.scale, object.gaussians.origin); /* camera-relative, in double, from here on */
+    td_pose_add_origin(&pose, object.scale, object.gaussians.origin); /* from here on relative to the camera, in double */
     td_view_make(eye, &pose, object.scale, view);
     if (object.motion && td_motion_setting(object.motion, TD_PLAIN_COLOUR, 0) != 0) view->colour_floor = no_floor;
     return TIDES_OK;
@@ -109,7 +109,8 @@ tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory 
     for (int i = 0; i < slots && status == TIDES_OK; i++) {
         td_view *views = renderer->scratch.views + (size_t)i * objects;
         status = td_views_at(renderer->scene, camera, renderer->epoch, times[i], views, error);
-        /* An object of the scene may be two of the store: from the last on, each still finds its view in place. */
+        /* An object of the scene may be two of the store. Copying from the last one on, no view is overwritten before it is
+         * read. */
         for (size_t k = objects; k-- > 0 && status == TIDES_OK;) views[k] = views[renderer->store.scene_object[k]];
     }
     return status;

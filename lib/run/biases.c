@@ -1,5 +1,5 @@
-/* sensor.biases: a camera's bias settings set keys of the run that neither file nor override gives. The run's notes have a line
- * each on the biases that set keys, the keys kept, and the biases without a published law. */
+/* sensor.biases: sets keys of the run from a camera's bias settings, unless the file or an override gives them. Notes tell
+ * which biases set keys, which keys were kept, and which biases have no published law. */
 #include "td_biases.h"
 #include "td_run.h"
 
@@ -8,7 +8,7 @@
 
 typedef struct bias_job {
     tides_run *run;
-    const char *name; /* of the file, without its folder */
+    const char *name; /* name of the file, without its folder */
     tides_error *error;
 } bias_job;
 
@@ -19,7 +19,7 @@ static tides_status note(const bias_job *job, const char *what, const char *then
     return td_run_note(job->run, line, job->error);
 }
 
-/* Gives the key a value in its range, or says why it stays. */
+/* Sets the key if the value is in its range; otherwise notes why it stays. */
 static tides_status become(const bias_job *job, const char *from, const char *key, double number, const char *otherwise) {
     char text[300];
     const tides_param *row = td_param_find(key);
@@ -39,7 +39,7 @@ static tides_status become(const bias_job *job, const char *from, const char *ke
     return status == TIDES_OK ? note(job, text, "") : status;
 }
 
-/* By the formulas of biases_law.c. */
+/* Sets keys by jAER's formulas for DAVIS and DVS128. */
 static tides_status by_formula(const bias_job *job, const td_biases *biases) {
     const td_bias_units u = td_biases_units(biases);
     const char *missing = "its biases aren't in the file, or in an order that the formula doesn't have";
@@ -59,8 +59,9 @@ static const td_bias *prophesee(const td_biases *biases, const char *name) {
     return td_biases_find(biases, whole);
 }
 
-/* Thresholds of Gen3.1, whose biases are millivolts: they go with their distance from bias_diff, from the preset's at the
- * plugin's own 300, 385 and 222 mV. No maker publishes this: it is TIDES' own law, of which only the sign is sure. */
+/* Sets the thresholds of Gen3.1, whose biases are in millivolts. The preset's thresholds belong to the plugin's default
+ * biases (300, 385 and 222 mV), and scale with the distance from bias_diff. No maker publishes a law: this one is TIDES's
+ * own, and only its sign is certain. */
 static tides_status by_ratio(const bias_job *job, const td_biases *biases) {
     static const double factory_on = 385 - 300, factory_off = 300 - 222;
     const td_bias *diff = prophesee(biases, "diff"), *on = prophesee(biases, "diff_on"), *off = prophesee(biases, "diff_off");
@@ -77,7 +78,7 @@ static tides_status by_ratio(const bias_job *job, const td_biases *biases) {
     return status;
 }
 
-/* Notes the biases that no law, published or ours, maps to a value. */
+/* Notes the biases for which there is no law. */
 static tides_status keep_others(const bias_job *job, const td_biases *biases, int thresholds) {
     char kept[300] = "";
     size_t used = 0;

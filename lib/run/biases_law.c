@@ -1,10 +1,10 @@
-/* From bias currents to units, by the formulas of jAER's DavisConfig and DVS128 (SensorsINI/jaer @a1db449):
+/* Converts bias currents to units of a pixel, by the formulas of jAER's DavisConfig and DVS128 (SensorsINI/jaer @a1db449):
  *
  *   theta_on|off = (kappa_n / kappa_p^2) / (C1 / C2) ln(I_on|off / I_diff), kappa 0.7, C1 / C2 = 20
  *   T_refr       = 20 fF 0.8 V / I_refr (DAVIS), 32 fF 2.6 V / (0.545 I_refr) (DVS128)
  *   f3dB         = I_sf / (2 pi 25 mV C), C 131.17 fF (DAVIS), 467 fF (DVS128), where I_sf < I_pr / 2
  *
- * There is no light in them: where the source follower isn't the slower, no formula says what is. */
+ * The formulas don't depend on light: if the photoreceptor is slower than the source follower, there is no formula. */
 #include "td_biases.h"
 
 #include "td_math.h"

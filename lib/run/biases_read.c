@@ -3,8 +3,8 @@
  *   jAER       389 nA 8^(c - 5) fine / 256, and its files hold 7 - c
  *   libcaer    {11 pA .. 24.8 uA}[c] fine / 255, which rpg_dvs_ros' files go to
  *
- * with c = 0 the smallest; a DVS128's is 75 uA code / 2^24 (jAER's Masterbias with its usual resistor). Fine 0 is off: it is
- * read as fine 1, the least that is a current, and biases_law.c says so. */
+ * with c = 0 the smallest; a DVS128's is 75 uA code / 2^24 (jAER's Masterbias with its usual resistor). Fine 0 means off: it
+ * is read as fine 1, the least current, and reported. */
 #include "td_biases.h"
 
 #include "td_math.h"
@@ -30,7 +30,7 @@ const td_bias *td_biases_find(const td_biases *biases, const char *name) {
     return NULL;
 }
 
-/* The one of that name, or a new one; NULL: there are too many, or it has no name. */
+/* Finds or makes the entry of this name; NULL if there are too many, or if the name is empty. */
 static td_bias *entry(td_biases *biases, const char *name, size_t length) {
     char own[TD_BIAS_NAME];
     if (length == 0 || length >= sizeof own) return NULL;
@@ -47,21 +47,23 @@ static td_bias *entry(td_biases *biases, const char *name, size_t length) {
 
 /* -- jAER's preferences --------------------------------------------------------------------------------------------------- */
 
-/* `text` up to the quote: a number, or -1. */
+/* Parses a number up to the closing quote; -1 if it is none. */
 static int32_t number_in(const char *text) {
     char *end;
     const long number = strtol(text, &end, 10);
     return end != text && *end == '"' && number >= 0 && number < 1 << 25 ? (int32_t)number : -1;
 }
 
-/* "DAVIS240C.AddressedIPotCF.DiffBn.BitValueCoarse" is the coarse of DiffBn; "IPot.diff" a DVS128's diff. */
+/* Takes an entry: "DAVIS240C.AddressedIPotCF.DiffBn.BitValueCoarse" is the coarse value of DiffBn; "IPot.diff" is a
+ * DVS128's. */
 static void take_entry(td_biases *biases, const char *key, size_t length, int32_t number) {
     char text[160];
     if (length >= sizeof text) return;
     memcpy(text, key, length);
     text[length] = '\0';
     char *name = strstr(text, "AddressedIPotCF."), *plain = strstr(text, "IPot."), *field = NULL;
-    if (plain && plain != text && plain[-1] != '.') plain = NULL; /* ConfigurableIPot.bitViewEnabled */
+    /* part of another word, as in ConfigurableIPot.bitViewEnabled */
+    if (plain && plain != text && plain[-1] != '.') plain = NULL;
     if (name) {
         name += strlen("AddressedIPotCF.");
         field = strchr(name, '.');
@@ -95,7 +97,7 @@ static void read_jaer(td_biases *biases, const char *text) {
 
 /* -- text, line by line --------------------------------------------------------------------------------------------------- */
 
-/* "DiffBn_coarse: 4", "diffOff: 132". */
+/* Takes a line such as "DiffBn_coarse: 4" or "diffOff: 132". */
 static void take_yaml(td_biases *biases, const char *line) {
     const size_t length = strcspn(line, ": \t\n");
     const char *colon = line + length;
@@ -113,7 +115,7 @@ static void take_yaml(td_biases *biases, const char *line) {
     if (coarse || fine) biases->kind = TD_BIASES_DAVIS;
 }
 
-/* "300 % bias_diff": the second word says nothing. */
+/* Takes a line such as "300 % bias_diff": value, then name. */
 static int take_bias(td_biases *biases, const char *line) {
     char *end, name[TD_BIAS_NAME] = "";
     const long number = strtol(line, &end, 0);
@@ -124,7 +126,7 @@ static int take_bias(td_biases *biases, const char *line) {
     return bias != NULL;
 }
 
-/* A line's: one, or in YAML's flow style {several, several}. */
+/* Takes the pairs of a line: one, or several in YAML's flow style {a: 1, b: 2}. */
 static void take_pairs(td_biases *biases, char *line) {
     for (char *pair = line; *pair;) {
         pair += strspn(pair, ",{} \t\r");
@@ -181,7 +183,7 @@ static void find_currents(td_biases *biases, int jaer) {
     }
 }
 
-/* The first LIMIT bytes, for an .aedat goes on behind its header. */
+/* Reads the first LIMIT bytes: an .aedat has events behind its header. */
 static tides_status read_start(const char *path, char **text, tides_error *error) {
     FILE *file = fopen(path, "rb");
     if (!file) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened", path);

@@ -1,5 +1,5 @@
-/* Fingerprints of a run's inputs: a file's content, and what a folder's entries say of themselves. For batches, which keep a
- * result as long as its fingerprint holds. Which files those are is inputs.c's. */
+/* Fingerprints of a run's inputs: a hash of a file's content, or of the names, sizes and times of a folder's entries. A batch
+ * keeps a result as long as its fingerprint is unchanged. */
 #include "tides/inputs.h"
 
 #include "td_base.h"
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Folders within folders; a tree that is deeper isn't a dataset. */
+/* Largest depth of nested folders; a deeper tree isn't a data set. */
 enum { DEEPEST = 64 };
 
 typedef struct taken {
@@ -23,7 +23,7 @@ struct tides_fingerprints {
     taken *items;
     size_t count, capacity;
     int32_t has_except;
-    dev_t except_device; /* of the folder that isn't looked into */
+    dev_t except_device; /* the folder that is left out */
     ino_t except_inode;
 };
 
@@ -55,7 +55,7 @@ static tides_status take_content(const char *path, tides_fingerprint *print, tid
     return status;
 }
 
-/* The folders that a walk is in, so that a link to one of them ends there. */
+/* The folders that a walk is in: a link back to one of them ends there. */
 typedef struct walk {
     const tides_fingerprints *of;
     tides_fingerprint *print;
@@ -76,7 +76,8 @@ static int32_t is_left_out(const walk *w, const struct stat *folder) {
 
 static tides_status take_folder(walk *w, const char *path, const struct stat *folder, tides_error *error);
 
-/* One entry: its name, and what is below it or its size and time. An entry that vanishes meanwhile counts as absent. */
+/* Hashes an entry: its name and, if it is a folder, its contents, otherwise size and time. A vanished entry counts as
+ * absent. */
 static tides_status take_entry(walk *w, const char *folder, const char *name, tides_error *error) {
     struct stat facts;
     char *path = td_format(error, "%s/%s", folder, name);
@@ -98,7 +99,8 @@ static tides_status take_entry(walk *w, const char *folder, const char *name, ti
 
 static int is_visible(const struct dirent *entry) { return entry->d_name[0] != '.'; }
 
-/* In the order of names; each folder's end is mixed in, so that a file can't move from one to the next unseen. */
+/* Hashes a folder's entries in the order of names. The end of each folder is hashed, too, so that moving a file to the next
+ * folder changes the hash. */
 static tides_status take_folder(walk *w, const char *path, const struct stat *folder, tides_error *error) {
     struct dirent **entries = NULL;
     if (w->depth == DEEPEST)
@@ -137,7 +139,7 @@ tides_status tides_fingerprints_create(const char *except, tides_fingerprints **
     tides_fingerprints *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
     struct stat facts;
-    made->has_except = except && stat(except, &facts) == 0; /* one that isn't there holds nothing */
+    made->has_except = except && stat(except, &facts) == 0; /* a missing folder needs no exception */
     if (made->has_except) {
         made->except_device = facts.st_dev;
         made->except_inode = facts.st_ino;

@@ -1,5 +1,5 @@
-/* Notes on the light between frames, made of a few of them when a run on them is opened: the error of straight lines in log
- * luminance at a frame that is left out; the motion from frame to frame; and whether a single step of an 8-bit value crosses a
+/* Notes on how well frames show the light between them, from a few frames when a run is opened: the error of straight lines
+ * of log luminance at a left-out frame; the motion between frames; and if a single step of an 8-bit value exceeds a
  * threshold. */
 #include "td_run.h"
 #include "td_math.h"
@@ -12,16 +12,16 @@
 #include <string.h>
 
 enum {
-    LOOKS = 4,   /* places of the sequence that are looked at */
-    BLOCK = 16,  /* px, */
-    REACH = 16,  /* px in any direction that a block is looked for, */
-    BLOCKS = 150 /* so many of them at most */
+    LOOKS = 4,   /* places in the sequence that are sampled */
+    BLOCK = 16,  /* px, edge of a block */
+    REACH = 16,  /* px, search range for a block in each direction */
+    BLOCKS = 150 /* most blocks */
 };
-/* Steps that make a block worth following: this times the mean of |differences| of neighbours over the frame. */
+/* A block is followed if its mean |difference of neighbours| is above this times the frame's mean. */
 #define TEXTURED 1.5
-#define MOVES_FAR 2.0   /* px from frame to frame */
+#define MOVES_FAR 2.0   /* px between frames */
 #define MISSED 0.25     /* thresholds */
-#define STEPS_MANY 0.01 /* of the pixels */
+#define STEPS_MANY 0.01 /* share of the pixels */
 #define EIGHT_BITS 255.0
 
 typedef struct looks {
@@ -29,20 +29,20 @@ typedef struct looks {
     int32_t width, height;
     size_t pixels;
     double *Y[3], log_eps, threshold;
-    double missed, moved;  /* sums over pixels whose light changes, of what is missed [log units], and of these pixels */
-    size_t stepping, seen; /* pixels where one step is a threshold, of all that were looked at */
+    double missed, moved;  /* sums over pixels whose light changes: of the error [log units], and of the number of pixels */
+    size_t stepping, seen; /* pixels where one step exceeds a threshold; all sampled pixels */
     double distance[LOOKS * BLOCKS];
     size_t distances;
 } looks;
 
-/* 0 where one can't be read: the run will say so when it comes there. */
+/* Reads three frames; 0 if one can't be read (the run will report it). */
 static int32_t read_three(looks *l, size_t first) {
     for (size_t k = 0; k < 3; k++)
         if (tides_frames_read(l->frames, first + k, l->Y[k], NULL) != TIDES_OK) return 0;
     return 1;
 }
 
-/* The middle frame against straight lines between its neighbours, where these differ by half a threshold. */
+/* Compares the middle frame with straight lines between its neighbours, where these differ by at least half a threshold. */
 static void leave_out(looks *l, size_t first) {
     const double before = tides_frames_time(l->frames, first), after = tides_frames_time(l->frames, first + 2);
     const double share = (tides_frames_time(l->frames, first + 1) - before) / (after - before);
@@ -75,9 +75,10 @@ static double difference(const looks *l, size_t x, size_t y, int32_t u, int32_t 
     return sum;
 }
 
-/* How far the block at (x, y) is in the next frame from where it was. */
+/* Distance that the block at (x, y) moves to the next frame [px]. */
 static double find_block(const looks *l, size_t x, size_t y) {
-    double least = difference(l, x, y, 0, 0, INFINITY) * 0.999, distance = 0; /* at rest where nothing is clearly better */
+    /* counts as resting unless another place is clearly better */
+    double least = difference(l, x, y, 0, 0, INFINITY) * 0.999, distance = 0;
     for (int32_t v = -REACH; v <= REACH; v++) {
         for (int32_t u = -REACH; u <= REACH; u++) {
             const double here = difference(l, x, y, u, v, least);
@@ -116,7 +117,7 @@ static tides_status tell(looks *l, int32_t of_tides, char **notes, tides_error *
                          "%.2g log units (%.2g thresholds) from straight lines where light changes",
                          rate, missed, missed / l->threshold);
     qsort(l->distance, l->distances, sizeof *l->distance, td_ascending);
-    const double far = l->distances ? l->distance[3 * l->distances / 4] : 0; /* the upper quartile */
+    const double far = l->distances ? l->distance[3 * l->distances / 4] : 0; /* upper quartile */
     if (status == TIDES_OK && far > MOVES_FAR)
         status =
             td_note(notes, error,

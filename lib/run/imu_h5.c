@@ -4,15 +4,15 @@
 #include "archive/td_h5_driver.h"
 #include "run/td_imu_file.h"
 
-/* The data to write; `run` is the JSON text of the run that the samples are of. */
+/* The data to write; `run` is the JSON text of the samples' run. */
 typedef struct all_samples {
     const tides_imu_sample *samples;
     size_t count;
     const char *run;
 } all_samples;
 
-/* Writes one column of the samples as an array of its own. HDF5 sees the samples as a table of doubles, with a row for each
- * sample, and takes the column out of every row. */
+/* Writes one column of the samples as an array. HDF5 sees the samples as a table of doubles with a row per sample, and picks
+ * the column from each row. */
 static herr_t put_array(hid_t file, const td_imu_column *column, const tides_imu_sample *samples, size_t count) {
     const hsize_t shape[2] = {count, column->width}, all[2] = {count, sizeof *samples / sizeof(double)};
     const hsize_t from[2] = {0, column->offset / sizeof(double)};

@@ -1,6 +1,5 @@
-/* Which files a run reads: those that its keys name, from the parameter table, and what the readers of scenes, paths and frames
- * look for beside them. For fingerprints (fingerprint.c), for tides info, and so that no output takes the place of one of
- * them; the files themselves are their readers'. */
+/* Lists the files that a run reads: those named by its keys, and those that the readers of scenes, paths and frames look for
+ * beside these. The list serves fingerprints and tides info, and ensures that no output replaces an input. */
 #include "tides/inputs.h"
 
 #include "camera/td_path_reader.h"
@@ -13,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Inputs in the order in which they are found. */
+/* Inputs, in the order in which they are found. */
 typedef struct found {
     const char *key;
     char *path;
@@ -24,7 +23,7 @@ typedef struct list {
     tides_error *error;
 } list;
 
-/* Takes `path`, which is allocated; NULL: out of memory. */
+/* Takes over `path`, which is allocated; NULL: out of memory. */
 static tides_status add(list *l, const char *key, char *path) {
     if (!path) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < l->count; i++) {
@@ -42,9 +41,9 @@ static tides_status add(list *l, const char *key, char *path) {
     return status;
 }
 
-/* -- what lies beside a file -------------------------------------------------------------------------------------------- */
+/* -- files beside a file -------------------------------------------------------------------------------------------- */
 
-/* Adds the files of `names` (ended by NULL) that exist, in the folder itself or, for a file, in the folder that holds it. */
+/* Adds those files of `names` (NULL-terminated) that exist in a folder; for a file, in the folder that holds it. */
 static tides_status add_beside(list *l, const char *key, const char *path, const char *const *names) {
     char *folder = td_is_folder(path) ? td_format(l->error, "%s/", path) : td_folder_prefix(path, l->error);
     tides_status status = folder ? TIDES_OK : TIDES_NO_MEMORY;
@@ -59,8 +58,8 @@ static tides_status add_beside(list *l, const char *key, const char *path, const
     return status;
 }
 
-/* Adds a path and the files that readers of paths look for beside it: COLMAP's cameras (colmap.c), EuRoC's camera on the body
- * (path_euroc.c), the scene of nerfies (path_nerfies.c). */
+/* Adds a path and the files that path readers look for beside it: COLMAP's cameras, EuRoC's sensor.yaml, nerfies' scene.json
+ * and metadata.json. */
 static tides_status add_path_file(list *l, const char *key, const char *path) {
     static const char *const names[] = {"cameras.bin",         "cameras.txt",      "sensor.yaml",
                                         "../cam0/sensor.yaml", "scene.json",       "metadata.json",
@@ -69,8 +68,8 @@ static tides_status add_path_file(list *l, const char *key, const char *path) {
     return status == TIDES_OK ? add_beside(l, key, path, names) : status;
 }
 
-/* A camera's or object's path. For a folder it is the one file that is read in it, however many pictures lie there; nerfies has
- * a folder of cameras. */
+/* Adds the path of a camera or object. For a folder it is the one file in it that is read, however many pictures there are;
+ * nerfies has a folder of cameras. */
 static tides_status add_path(list *l, const char *key, const char *path) {
     static const char *const names[] = {"scene.json", "metadata.json", "../scene.json", "../metadata.json", NULL};
     char *file = NULL;
@@ -85,7 +84,7 @@ static tides_status add_path(list *l, const char *key, const char *path) {
     return status;
 }
 
-/* Times of frames that neither a key nor a rate gives (frame_times.c). */
+/* Adds the file of frames' times, if neither a key nor a rate gives these. */
 static tides_status add_frames(list *l, const char *key, const char *path, const tides_run_values *values) {
     static const char *const beside_file[] = {"timestamps.txt", "image_timestamps.txt", NULL};
     static const char *const beside_folder[] = {"../timestamps.txt", "../image_timestamps.txt", "../images_timestamps.txt",
@@ -94,7 +93,7 @@ static tides_status add_frames(list *l, const char *key, const char *path, const
     return add_beside(l, key, path, td_is_folder(path) ? beside_folder : beside_file);
 }
 
-/* Files of one ending that lie beside `path`. */
+/* Adds the files with this ending beside `path`. */
 static tides_status add_ending(list *l, const char *key, const char *path, const char *ending) {
     char *folder = td_folder_of(path, l->error);
     td_folder beside = {NULL, 0, 0};
@@ -105,7 +104,7 @@ static tides_status add_ending(list *l, const char *key, const char *path, const
     return status;
 }
 
-/* Adds the files that a file names, each meta.json with its pictures. Faults of the file are left to its reader to report. */
+/* Adds the files that a file refers to, each meta.json with its pictures. Errors in the file are left for its reader. */
 static tides_status add_parts(list *l, const char *key, const char *path, const char *part,
                               tides_status (*find)(const char *path, const char *part, td_folder *files, tides_error *error)) {
     td_folder parts = {NULL, 0, 0};
@@ -120,7 +119,7 @@ static tides_status add_parts(list *l, const char *key, const char *path, const 
     return status;
 }
 
-/* Adds the files that are read of a trained model: of its newest iteration where it is a folder, among checkpoints and
+/* Adds the files of a trained model that are read: of a folder only the newest iteration, without other checkpoints and
  * pictures. */
 static tides_status add_model(list *l, const char *key, const td_model_dir *model) {
     static const char *const names[] = {"cfg_args", "cfg.yml", "../cfg.yml", NULL};
@@ -132,7 +131,7 @@ static tides_status add_model(list *l, const char *key, const td_model_dir *mode
     return status == TIDES_OK ? add_beside(l, key, model->folder, names) : status;
 }
 
-/* Adds a scene's files. A path that isn't a scene is left to its reader to refuse. */
+/* Adds a scene's files. A path that is no scene is left for the reader to refuse. */
 static tides_status add_scene(list *l, const char *key, const char *path, const cJSON *chosen) {
     td_model_dir model;
     const char *part = cJSON_IsString(chosen) ? chosen->valuestring : NULL;
@@ -145,12 +144,14 @@ static tides_status add_scene(list *l, const char *key, const char *path, const 
     if (status != TIDES_OK || !td_is_file(path)) return status;
     if (td_sog_is_meta(path)) status = add_ending(l, key, path, ".webp");
     if (td_lcc_is(path)) status = add_parts(l, key, path, part, td_lcc_files);
+    if (td_lcc2_is(path)) status = add_parts(l, key, path, part, td_lcc2_files);
     if (td_sog_is_lod(path)) status = add_parts(l, key, path, part, td_sog_lod_files);
     if (td_ends_in(path, ".gltf") || td_ends_in(path, ".glb")) status = add_parts(l, key, path, part, td_gltf_files);
     return status;
 }
 
-/* -- what keys name ----------------------------------------------------------------------------------------------------- */
+/* -- files named by keys
+ * ----------------------------------------------------------------------------------------------------- */
 
 static tides_status add_objects(list *l, const tides_run *run, const char *key) {
     const cJSON *object;
@@ -170,7 +171,7 @@ static tides_status add_objects(list *l, const tides_run *run, const char *key) 
     return status;
 }
 
-/* A key's file, and what belongs to it. */
+/* Adds a key's file, and the files that belong to it. */
 static tides_status add_row(list *l, const tides_run *run, const td_param *row, const char *file) {
     if (strcmp(row->key, "scene.file") == 0) return add_scene(l, row->key, file, td_run_value(run, "scene.part"));
     if (strcmp(row->key, "camera.file") == 0) return add_path(l, row->key, file);
@@ -182,7 +183,7 @@ static tides_status add_row(list *l, const tides_run *run, const td_param *row, 
 }
 
 static tides_status add_all(list *l, const tides_run *run) {
-    const int32_t on_frames = td_run_file(run, "frames.file") != NULL; /* then a camera that is named isn't read */
+    const int32_t on_frames = td_run_file(run, "frames.file") != NULL; /* then camera.file isn't read */
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < td_params_count && status == TIDES_OK; i++) {
         const td_param *row = &td_params[i];
@@ -203,7 +204,7 @@ static tides_status add_all(list *l, const tides_run *run) {
     return status;
 }
 
-/* One block of memory: the inputs, and their texts behind them. */
+/* Copies the list to one block of memory: the inputs, then their texts. */
 static tides_run_input *pack(const list *l) {
     size_t bytes = (l->count ? l->count : 1) * sizeof(tides_run_input);
     for (size_t i = 0; i < l->count; i++) bytes += strlen(l->items[i].path) + 1;
@@ -233,9 +234,9 @@ tides_status tides_run_inputs(const tides_run *run, tides_run_input **inputs, si
     return status;
 }
 
-/* -- what mustn't be written -------------------------------------------------------------------------------------------- */
+/* -- protection of inputs -------------------------------------------------------------------------------------------- */
 
-/* Checks the `outputs` that would be among the frames read from a folder: pictures (frames_folder.c). */
+/* Fails if one of `outputs` would be among the pictures of a folder of frames. */
 static tides_status check_frames(const tides_run_input *input, const char *const *outputs, size_t count, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < count; i++)

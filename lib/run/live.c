@@ -1,5 +1,5 @@
-/* Live runs: a simulator on open paths, told where camera and objects are as it goes. There is no second engine: this file
- * opens the paths, lists the parts of a run that need to know its length, and keeps the events of a call. */
+/* Live runs: a simulator with open paths, which gets poses of camera and objects during the run. This file opens the paths,
+ * finds the run's end, and stores the events of each call. */
 #include "tides/live.h"
 
 #include "camera/td_rotation.h"
@@ -20,26 +20,26 @@
 struct tides_live {
     const tides_session *session;
     tides_scene *scene;       /* the session's objects, with open paths of its own */
-    tides_trajectory *camera; /* NULL: the session's */
+    tides_trajectory *camera; /* NULL: the session's path is used */
     tides_simulator *simulator;
-    tides_live_options options; /* without the list */
+    tides_live_options options; /* without its list of objects */
     double start, stop, until;  /* [s] */
     tides_event *events;
     size_t count, capacity;
-    int given; /* a call gave them, and the next one may put its own there */
-    int lost;  /* there was no room for a step's */
+    int given; /* 1: the last call returned them, so the next one may overwrite them */
+    int lost;  /* 1: memory was short for a step's events */
     int finished;
 };
 
-/* A time still counts as a step's end where a clock that adds intervals up has lost this much [s], beside the rounding that the
- * grid allows (lib/solver/steps/grid.c). It is half of the loss allowed to open paths (lib/camera/trajectory.c), so that a path
- * given up to then covers the step. slack_of adds the rounding of two times. */
+/* A time counts as a step's end if it is off by at most this [s], beyond the grid's own allowance for rounding: a caller's
+ * clock that adds up intervals is slightly off. It is half of the allowance of open paths, so that a path given up to such a
+ * time covers the step. slack_of adds the rounding of two times. */
 static const double lost_in_sums = 0.5e-10;
 static double slack_of(const tides_live *live, double time) {
     return lost_in_sums + DBL_EPSILON * (fabs(live->start) + fabs(time));
 }
 
-/* Steps that a run may have (lib/solver/run/create.c), and what a run without an end has of them. */
+/* The simulator's limit of steps; a run without an end gets this many. */
 static const double most_steps = 0.999e12;
 
 void tides_live_options_defaults(tides_live_options *options) {
@@ -68,7 +68,7 @@ static tides_status check_options(const tides_live_options *o, tides_error *erro
     return TIDES_OK;
 }
 
-/* Where a path has its body at `time`, as the sample that an open one begins with; NULL: at the identity, at rest. */
+/* The pose of a path at `time`, as the first sample of an open path; NULL path: the identity, at rest. */
 static tides_status sample_at(const tides_trajectory *path, double time, tides_pose_sample *sample, tides_error *error) {
     tides_pose pose;
     memset(sample, 0, sizeof *sample);
@@ -81,7 +81,7 @@ static tides_status sample_at(const tides_trajectory *path, double time, tides_p
     memcpy(sample->position, pose.position, sizeof sample->position);
     memcpy(sample->velocity, pose.position_dot, sizeof sample->velocity);
     td_quaternion_from_rotation(r, sample->quaternion);
-    for (int k = 0; k < 3; k++) { /* R_dot R^T is the cross product with the angular velocity */
+    for (int k = 0; k < 3; k++) { /* R_dot R^T is the cross-product matrix of the angular velocity */
         const int i = (k + 2) % 3, j = (k + 1) % 3;
         sample->angular_velocity[k] = d[3 * i] * r[3 * j] + d[3 * i + 1] * r[3 * j + 1] + d[3 * i + 2] * r[3 * j + 2];
     }
@@ -89,7 +89,7 @@ static tides_status sample_at(const tides_trajectory *path, double time, tides_p
     return TIDES_OK;
 }
 
-/* Open paths for all that is told. */
+/* Opens paths for the camera and all objects whose poses the caller gives. */
 static tides_status open_paths(tides_live *live, const tides_live_options *o, tides_error *error) {
     const tides_session_facts *f = &live->session->facts;
     tides_pose_sample first;
@@ -107,7 +107,7 @@ static tides_status open_paths(tides_live *live, const tides_live_options *o, ti
     return status;
 }
 
-/* Where the first thing ends that isn't told, and a run of so many steps. */
+/* Finds the run's end: the earliest end of a given path, or the limit of steps. */
 static tides_status find_end(tides_live *live, const tides_live_options *o, tides_error *error) {
     const tides_session_facts *f = &live->session->facts;
     double stop = fmin(TD_FURTHEST_TIME, live->start + most_steps * f->values.stepping.step_s), last;
@@ -122,7 +122,7 @@ static tides_status find_end(tides_live *live, const tides_live_options *o, tide
         if (object.motion) stop = fmin(stop, object.duration_s);
     }
     live->stop = isnan(o->stop) ? stop : o->stop;
-    return TIDES_OK; /* what doesn't cover options.stop the simulator refuses */
+    return TIDES_OK; /* the simulator refuses paths that don't cover options.stop */
 }
 
 static tides_status make_simulator(tides_live *live, tides_progress progress, void *user, tides_error *error) {
@@ -170,13 +170,14 @@ void tides_live_close(tides_live *live) {
     free(live);
 }
 
-/* -- telling -------------------------------------------------------------------------------------------------------- */
+/* -- appending poses
+ * -------------------------------------------------------------------------------------------------------- */
 
 static tides_trajectory *path_of(const tides_live *live, int32_t object) {
     return object == TIDES_LIVE_CAMERA ? live->camera : td_scene_told(live->scene, object);
 }
 
-/* Puts the camera or the object's number before `error`. */
+/* Puts the camera, or the object's number, in front of `error`. */
 static tides_status fail_of(int32_t object, tides_status status, tides_error *error) {
     if (object == TIDES_LIVE_CAMERA) return td_fail_within(error, status, "the camera");
     return td_fail_within(error, status, "object %d", (int)object);
@@ -189,7 +190,7 @@ static tides_status check_jump(const tides_live *live, const tides_pose_sample *
     const double time = to->time - from->time;
     for (int k = 0; k < 3; k++) away[k] = to->position[k] - from->position[k];
     memcpy(q, to->quaternion, sizeof q);
-    if (!(time > 0) || !td_normalise_quaternion(q)) return TIDES_OK; /* the path will say so */
+    if (!(time > 0) || !td_normalise_quaternion(q)) return TIDES_OK; /* appending reports the error */
     for (int k = 0; k < 4; k++) along += q[k] * from->quaternion[k];
     const double speed = td_length3(away) / time, turn_rate = 2 * td_acos(fmin(fabs(along), 1)) / time;
     if (o->most_speed > 0 && !(speed <= o->most_speed))
@@ -215,7 +216,7 @@ static tides_status check_jumps(const tides_live *live, const tides_trajectory *
     return status;
 }
 
-/* A path as it was. */
+/* The state of a path before samples are appended. */
 typedef struct live_mark {
     tides_trajectory *path;
     size_t count;
@@ -224,12 +225,12 @@ typedef struct live_mark {
 
 static tides_status mark(const tides_live *live, int32_t object, live_mark *m, tides_error *error) {
     *m = (live_mark){.path = path_of(live, object)};
-    if (!m->path) return TIDES_OK; /* telling says that it isn't told */
+    if (!m->path) return TIDES_OK; /* appending reports that it isn't an open path */
     m->count = tides_trajectory_count(m->path);
     return tides_trajectory_sample(m->path, 0, &m->first, error);
 }
 
-/* A path of one sample may have been given another beginning. */
+/* Restores a path. One that had a single sample may have got another beginning. */
 static tides_status take_back(const live_mark *m, tides_error *error) {
     if (m->path && m->count == 1) return td_trajectory_begin(m->path, &m->first, error);
     if (m->path) td_trajectory_take_back(m->path, m->count);
@@ -252,7 +253,7 @@ tides_status tides_live_tell(tides_live *live, int32_t object, const tides_pose_
     if (status == TIDES_OK) status = check_jumps(live, was.path, samples, count, error);
     if (status == TIDES_OK && count) status = tides_trajectory_append(was.path, samples, count, error);
     if (status == TIDES_OK) return TIDES_OK;
-    const tides_status undone = take_back(&was, NULL); /* all samples or none */
+    const tides_status undone = take_back(&was, NULL); /* appends all samples or none */
     return fail_of(object, undone == TIDES_OK ? status : undone, error);
 }
 
@@ -272,8 +273,8 @@ static int keep_events(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* Forgets poses before the time reached, which aren't needed any more, but for the image at the run's start: the second step
- * keeps all that pixels need of it later (td_solve_keep_start). */
+/* Forgets poses before the time reached, which aren't needed any more. The first steps are excepted: the image at the run's
+ * start is kept by the second step for all that pixels need of it later. */
 static void forget(tides_live *live) {
     enum { STEPS_THAT_LOOK_BACK = 2 };
     if (live->options.keep || td_simulator_reached(live->simulator).step < STEPS_THAT_LOOK_BACK) return;
@@ -300,14 +301,14 @@ static tides_status fail_lost(tides_error *error) {
                    "out of memory for the events of a live run's step, which are lost; open another run");
 }
 
-/* Where a failure left a step half done the simulator goes no further; events that it gave before can still be fetched. */
+/* Runs the simulator. After a failure within a step it can't continue; earlier events can still be fetched. */
 static tides_status advance(tides_live *live, double until, double slack, tides_error *error) {
     if (td_simulator_reached(live->simulator).broken && until <= tides_live_reached(live) + slack) return TIDES_OK;
     tides_status status = tides_simulator_run(live->simulator, until + lost_in_sums, keep_events, live, NULL, NULL, error);
     return live->lost ? fail_lost(error) : status;
 }
 
-/* The events of a call: until it succeeds; one that fails half way leaves its steps' events to the next. */
+/* Begins a call's events. If a call fails half way, its events are returned by the next one. */
 static void begin_events(tides_live *live) {
     if (live->given) live->count = 0;
     live->given = 0;
@@ -363,7 +364,8 @@ tides_status tides_live_step(tides_live *live, const int32_t *objects, const tid
     }
     if (status == TIDES_OK) status = tides_live_run(live, until, events, count, error);
     const td_reached after = td_simulator_reached(live->simulator);
-    const int unused = after.step == before.step && after.started == before.started; /* nothing has come of them */
+    /* nothing was simulated with the new poses */
+    const int unused = after.step == before.step && after.started == before.started;
     while (status != TIDES_OK && unused && marked > 0)
         if (take_back(&marks[--marked], NULL) != TIDES_OK) status = td_fail(error, TIDES_NO_MEMORY, "out of memory");
     free(marks);

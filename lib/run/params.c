@@ -1,5 +1,5 @@
-/* The parameter table as the public sees it: the rows of params_table.c, with the defaults as JSON text. Defaults are the
- * structs' own (tides_sensor_defaults and others), so that they stand once. */
+/* The parameter table in its public form, with defaults as JSON text. Defaults come from the structs' own _defaults functions
+ * (tides_sensor_defaults and others), so that each is written down once. */
 #include "td_params.h"
 #include "td_run.h"
 
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows that there is room for, td_params_count or more. */
+/* Room for rows; must be at least td_params_count. */
 enum { ROWS_MAX = 256 };
 
 static tides_param shown[ROWS_MAX];
@@ -34,7 +34,7 @@ void td_run_values_defaults(tides_run_values *values) {
     values->track_rate_hz = 100;
     values->stop = 1.0;
     values->frames_per_second = 1000.0;
-    values->dataset_picture_hz = 20.0; /* DSEC's cameras and MVSEC's ground truth */
+    values->dataset_picture_hz = 20.0; /* DSEC's cameras, and MVSEC's ground truth */
     values->dataset_truth_hz = 10.0;   /* DSEC's and BlinkFlow's flow */
     values->dataset_pose_hz = 200.0;   /* motion capture's, as in ECD */
 }
@@ -47,12 +47,12 @@ const char *td_number_text(double value, char text[32]) {
     while (fabs(strtod(text, NULL) - value) > 0 && ++digits < 17);
     const int exponent = atoi(strchr(text, 'e') + 1), decimals = digits - exponent;
     if (exponent >= -4 && exponent < 16) snprintf(text, 32, "%.*f", decimals > 0 ? decimals : 1, value);
-    char *comma = strchr(text, ','); /* the program's locale may have one */
+    char *comma = strchr(text, ','); /* the program's locale may have a decimal comma */
     if (comma) *comma = '.';
     return text;
 }
 
-/* "[0.2126,0.7152,0.0722]", whole numbers without a point. */
+/* Formats a vector: "[0.2126,0.7152,0.0722]", whole numbers without a point. */
 static void vector_text(const double *values, int count, char text[TD_DEFAULT_MAX]) {
     size_t used = 0;
     for (int i = 0; i < count && used < TD_DEFAULT_MAX; i++) {
@@ -65,7 +65,7 @@ static void vector_text(const double *values, int count, char text[TD_DEFAULT_MA
     if (used < TD_DEFAULT_MAX - 1) memcpy(text + used, "]", 2);
 }
 
-/* The choice that stands for `constant`, in quotes. */
+/* Formats the name of the choice with value `constant`, in quotes. */
 static void choice_text(const td_param *row, int32_t constant, char text[TD_DEFAULT_MAX]) {
     const char *name = row->choices;
     for (int32_t i = 0; (row->constants ? row->constants[i] : i) != constant; i++) name += strcspn(name, "|") + 1;

@@ -1,12 +1,12 @@
-/* The error for an unknown key. People misspell one part of a key, or put a key into the wrong group; the suggestion looks
- * first among the names that could stand at that place, then for the same last name anywhere in the table. */
+/* The error for an unknown key. People misspell one part of a key, or put a key into a wrong group. So the suggestion comes
+ * from the names possible at that place, or else from equal last names anywhere in the table. */
 #include "td_run.h"
 
 #include <string.h>
 
 enum { NAMES_MAX = 256 };
 
-/* Names gathered from the table, each once, NULL-terminated for tides_nearest_name. */
+/* Names from the table, without duplicates, NULL-terminated. */
 typedef struct name_list {
     char text[NAMES_MAX][TD_KEY_MAX];
     const char *names[NAMES_MAX + 1];
@@ -23,7 +23,7 @@ static void add_name(name_list *list, const char *name, size_t length) {
     list->names[++list->count] = NULL;
 }
 
-/* The names that may follow `group` (dot included; "" is the top). */
+/* Collects the names that may follow `group` (with its dot; "" is the top). */
 static void names_below(const char *group, size_t length, name_list *list) {
     size_t count;
     const tides_param *rows = tides_params(&count);
@@ -31,7 +31,7 @@ static void names_below(const char *group, size_t length, name_list *list) {
         if (strncmp(rows[i].key, group, length) == 0) add_name(list, rows[i].key + length, strcspn(rows[i].key + length, "."));
 }
 
-/* Full key whose last name is nearest to `name`; NULL where none is near. */
+/* The key whose last name is nearest to `name`; NULL if none is near. */
 static const char *nearest_anywhere(const char *name) {
     size_t count;
     const tides_param *rows = tides_params(&count);
@@ -46,7 +46,7 @@ static const char *nearest_anywhere(const char *name) {
     return NULL;
 }
 
-/* Length of the leading part of `key`, dot included, that is a group of the table. */
+/* Length of the leading part of `key` that is a group of the table, with its dot. */
 static size_t known_part(const char *key) {
     size_t known = 0;
     char part[TD_KEY_MAX];
@@ -61,7 +61,7 @@ static size_t known_part(const char *key) {
     return known;
 }
 
-/* "a, b, c" of the list, cut where it doesn't fit. */
+/* Joins the list as "a, b, c", cut off where it doesn't fit. */
 static void join_names(const name_list *list, char *text, size_t size) {
     size_t used = 0;
     text[0] = '\0';
@@ -89,7 +89,7 @@ tides_status td_param_unknown(const char *where, const char *given, tides_error 
     snprintf(name, sizeof name, "%.*s", (int)length, key + known);
 
     const char *near_here = tides_nearest_name(name, list.names);
-    if (near_here) { /* keep what follows the slip where that makes a known key: sensr.b_min -> sensor.b_min */
+    if (near_here) { /* keep the rest if that gives a known key: sensr.b_min -> sensor.b_min */
         char whole[3 * TD_KEY_MAX], stem[2 * TD_KEY_MAX];
         snprintf(stem, sizeof stem, "%.*s%s", (int)known, key, near_here);
         snprintf(whole, sizeof whole, "%s%s", stem, key + known + length);

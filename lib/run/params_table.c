@@ -1,16 +1,14 @@
-/* The parameter table: every key of the run file, once. A row says where in tides_run_values its value goes, and everything
- * else is made from the rows: the JSON reader and --set, the values (run_values.c), the defaults as text (params.c, from the
- * structs' own), --help, man page and template, the run written into event files, Python's table, the files that a run reads
- * (inputs.c), what a checkpoint compares (lib/checkpoint/facts.c), and the settings of ideal pixels (lib/measure/ideal.c).
+/* The parameter table: every key of the run file, once. A row has the place of the value in tides_run_values. All else is
+ * made from the rows: the JSON reader and --set, defaults as text, --help, man page and template, the run written into event
+ * files, Python's table, the list of input files, the comparison of checkpoints, and the settings of ideal pixels.
  *
- * A new parameter is a field in its struct, its default in that struct's *_defaults where that isn't 0, and a row here. */
+ * To add a parameter: a field in its struct, its default in that struct's _defaults function (unless 0), and a row here. */
 #include "td_base.h"
 #include "td_params.h"
 
-/* A row's value is a number, a whole number (int32_t), 0 or 1 (int32_t), the place in `choices` of what was chosen (int32_t; a
- * constant of the enum, which is in their order unless .constants says otherwise), 2 or 3 numbers, or a text. Rows have the
- * default of their field, or .fallback: null leaves numbers 0 and texts NULL, which is then for the reader of the values to
- * know. STRING without .fallback must be given. */
+/* The field of a row is a number, a whole number (int32_t), 0 or 1 (int32_t), the chosen constant (int32_t; in the order of
+ * `choices` unless .constants says otherwise), 2 or 3 numbers, or a text. The default is the field's, or .fallback; "null"
+ * leaves numbers 0 and texts NULL, and the value's user decides what that means. A STRING without .fallback must be given. */
 #define ROW(name, kind, member, text) .key = name, .type = TIDES_PARAM_##kind, .field = member, .sentence = text
 #define AT(member) offsetof(tides_run_values, member)
 #define NUMBERS(name, kind, member, label, low, high, text) \
@@ -22,20 +20,20 @@
 #define BOOLEAN(name, member, text) ROW(name, BOOLEAN, AT(member), text)
 #define CHOICE(name, member, names, text) ROW(name, CHOICE, AT(member), text), .choices = names
 #define STRING(name, member, text) ROW(name, STRING, AT(member), text)
-/* Not in the values: preset.c and run_open.c read them. */
+/* Rows without a field: code that opens the run reads their JSON values. */
 #define TEXT(name, text) ROW(name, STRING, TD_NO_FIELD, text)
 #define OBJECTS(name, text) ROW(name, OBJECTS, TD_NO_FIELD, text)
 
-/* In the order of stepping.model's choices. */
+/* Values in the order of the choices of stepping.model. */
 static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TIDES_MODEL_LINEAR, TIDES_MODEL_SECANT};
 
-/* In the order of image.antialias's. */
+/* Values in the order of the choices of image.antialias. */
 static const int32_t antialiases[] = {TIDES_ANTIALIAS_FILE, TIDES_ANTIALIAS_TRUE, TIDES_ANTIALIAS_FALSE};
 
-/* In the order of image.transfer's. */
+/* Values in the order of the choices of image.transfer. */
 static const int32_t transfers[] = {TIDES_TRANSFER_FILE, TIDES_TRANSFER_LINEAR, TIDES_TRANSFER_SRGB, TIDES_TRANSFER_GAMMA};
 
-/* In the order of camera.lens's; run_open.c sees to the first. */
+/* Values in the order of the choices of camera.lens; the first, "auto", takes the path file's lens. */
 static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT};
 
 const td_param td_params[] = {
@@ -125,7 +123,7 @@ const td_param td_params[] = {
      .common = 1},
     {NUMBER("time.stop", stop, "s", -TD_FURTHEST_TIME, TD_FURTHEST_TIME,
             "where the run ends; of frames, unless given, with the last"),
-     .no_event = 1, .common = 1}, /* of those before it */
+     .no_event = 1, .common = 1}, /* events before it are the same */
 
     {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time"),
      .common = 1},
@@ -158,7 +156,8 @@ const td_param td_params[] = {
      .fallback = "null", .is_file = 1, .ideal = "null"},
     {ROW("sensor.amperes_per_lux", NUMBER, TD_NO_FIELD,
          "photocurrent of a pixel per lux: by it camera.lux says frontend.circuit.photocurrent_a"),
-     .unit = "A / lux", .lower = 1e-20, .upper = 1e-6, .fallback = "3.9e-14"}, /* 15 um, 0.12 A/W at 555 nm (Gen3.1) */
+     /* a 15 um pixel with 0.12 A/W at 555 nm (Gen3.1) */
+     .unit = "A / lux", .lower = 1e-20, .upper = 1e-6, .fallback = "3.9e-14"},
     {ROW("sensor.dark_lux", NUMBER, TD_NO_FIELD,
          "light of the dark: of camera.lux, that share is image.log_eps unless it is given; null: not said"),
      .unit = "lux", .lower = 1e-9, .upper = 1e9, .fallback = "null"},
@@ -474,7 +473,7 @@ const td_param td_params[] = {
     {NUMBER("dataset.pose_hz", dataset_pose_hz, "Hz", 1e-3, 1e6, "tides dataset: poses a second")},
 
     {STRING("device", device, "reference, cpu, gpu, an index or a part of a device's name; auto: TIDES_DEVICE, else the best"),
-     .fallback = "\"auto\"", .no_event = 1, .common = 1}, /* as far as it is as precise */
+     .fallback = "\"auto\"", .no_event = 1, .common = 1}, /* devices of equal precision give equal events */
     {STRING("seed", seed, "whole number that all randomness comes from; above 2^53 in quotes"), .fallback = "\"0\"",
      .common = 1},
 };

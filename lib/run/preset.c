@@ -1,11 +1,11 @@
-/* Sensor presets: the values of a sensor, for the keys that overrides leave open, and the run file too unless an override names
- * the preset.
+/* Sensor presets: values of a sensor for keys that overrides don't give. The run file's own values are kept, too, unless an
+ * override names the preset.
  *
- * A preset is a JSON object { "about": text, "version": 1, "resolution": [width, height], group: { name: value, ... } } with
- * the names of the run file's groups sensor, frontend, readout and filters, and image's log_eps, the sensor's black level. The
- * three members before the groups are optional: the version is that of the values; the resolution is reported and sets nothing.
- * A value may be { "value": value, "spread": [low, high], "kind": kind, "source": text } (preset_entry.c). Presets of
- * share/presets are in the library, by the names of their files; a user's own are found by name in ~/.config/tides/presets. */
+ * A preset is a JSON object { "about": text, "version": 1, "resolution": [width, height], group: { name: value, ... } }.
+ * Groups are sensor, frontend, readout and filters, and `image` for log_eps, the sensor's black level. The first three
+ * members are optional: the version is that of the values, and the resolution is only reported. A value may be { "value":
+ * value, "spread": [low, high], "kind": kind, "source": text }. The presets of share/presets are in the library, named as
+ * their files; a user's own are searched by name in ~/.config/tides/presets. */
 #include "device/td_kernel_source.h"
 #include "td_folder.h"
 #include "td_kinds.h"
@@ -14,14 +14,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* share/presets, embedded as kernels are. */
+/* The files of share/presets, embedded in the library. */
 extern const td_kernel_source td_preset_sources[];
 
 enum { PRESET_LIMIT = 1 << 20, PRESETS_MAX = 64, NAME_MAX_BYTES = 64 };
 
 /* -- text ---------------------------------------------------------------------------------------------------------------- */
 
-/* "dvs128.json" is the preset dvs128. */
+/* Length of a preset's name: that of "dvs128.json" is dvs128. */
 static size_t name_length(const char *file) { return strlen(file) - strlen(".json"); }
 
 int32_t tides_preset_at(size_t index, char name[TIDES_PRESET_NAME]) {
@@ -44,7 +44,7 @@ static tides_status unknown(const tides_run *run, const char *name, tides_error 
                    run->origin, shown, all, td_suggest(shown, all, ", ", suggestion));
 }
 
-/* The lines of an embedded preset as one text. */
+/* Joins the lines of an embedded preset to one text. */
 static char *join_lines(const char *const *lines, tides_error *error) {
     size_t bytes = 1;
     for (const char *const *line = lines; *line; line++) bytes += strlen(*line);
@@ -61,8 +61,8 @@ int32_t td_preset_is_file(const char *name) {
     return strchr(name, '/') || (length > 5 && strcmp(name + length - 5, ".json") == 0);
 }
 
-/* Where one's own preset of that name is: NAME.json in $XDG_CONFIG_HOME/tides/presets, else ~/.config/tides/presets. Allocated;
- * NULL: there is none. */
+/* The file of a user's own preset: NAME.json in $XDG_CONFIG_HOME/tides/presets, or else ~/.config/tides/presets. Allocated;
+ * NULL if it doesn't exist. */
 static char *own_file(const char *name) {
     static const char signs[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.+";
     const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
@@ -74,7 +74,7 @@ static char *own_file(const char *name) {
     return NULL;
 }
 
-/* The library's own; NULL: it has none of that name. */
+/* The embedded preset of this name, or NULL. */
 static const td_kernel_source *embedded_as(const char *name) {
     const td_kernel_source *p = td_preset_sources;
     while (p->name && (name_length(p->name) != strlen(name) || memcmp(p->name, name, strlen(name)) != 0)) p++;
@@ -86,7 +86,7 @@ char *td_preset_file(const tides_run *run, const char *name, tides_error *error)
     return embedded_as(name) ? NULL : own_file(name);
 }
 
-/* NULL where the library has none of that name, or memory ran out. */
+/* The text of the embedded preset of this name; NULL if there is none, or memory is short. */
 static char *embedded(const char *name, tides_error *error) {
     const td_kernel_source *found = embedded_as(name);
     return found ? join_lines(found->lines, error) : NULL;
@@ -105,7 +105,7 @@ tides_status tides_preset_read(const char *name, char **text, tides_error *error
     return status;
 }
 
-/* `text` is the caller's. */
+/* Reads a preset; the caller frees `text`. */
 static tides_status load(const tides_run *run, const char *name, char **text, tides_error *error) {
     size_t bytes = 0;
     if (!td_preset_is_file(name) && (*text = embedded(name, error)) != NULL) return TIDES_OK;
@@ -125,7 +125,7 @@ static int may_hold(const char *group) {
            strcmp(group, "filters") == 0 || strcmp(group, "image") == 0;
 }
 
-/* The keys that a preset would have set otherwise. */
+/* Keys that would have got other values from the preset. */
 typedef struct kept_keys {
     char names[300];
     size_t used;
@@ -140,8 +140,8 @@ static void keep(kept_keys *kept, const char *key) {
         kept->left_out = 1;
 }
 
-/* An override is stronger than any preset, a preset that an override names stronger than the run file's own values, and these
- * than the preset that stands beside them. Values of a rig's camera are as strong as overrides, and so is its preset. */
+/* Sets a row unless a stronger source gives it. In falling order: overrides, a preset named by an override, the run file's
+ * own values, the preset named in the file. Values and preset of a rig's camera are as strong as overrides. */
 static tides_status set(tides_run *run, const tides_param *row, const cJSON *value, kept_keys *kept, tides_error *error) {
     const size_t i = (size_t)(row - tides_params(NULL));
     const int32_t strong = run->given[td_param_find("sensor.preset") - tides_params(NULL)] >= TD_GIVEN_SET;
@@ -157,7 +157,7 @@ static tides_status set(tides_run *run, const tides_param *row, const cJSON *val
     return td_run_store(run, row, value, error);
 }
 
-/* One value of the preset, plain or with its source. */
+/* Applies one value of the preset, which may be plain or have a source. */
 static tides_status apply(tides_run *run, const char *where, const char *group, const cJSON *item, kept_keys *kept,
                           tides_error *error) {
     char key[TD_KEY_MAX];
@@ -200,7 +200,7 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
     return status;
 }
 
-/* Notes the preset's keys that were given otherwise, because the sensor then isn't quite the preset's. */
+/* Notes the preset's keys that have other values: then the sensor isn't quite the preset's. */
 static tides_status note_kept(tides_run *run, const char *where, const kept_keys *kept, tides_error *error) {
     if (kept->count == 0) return TIDES_OK;
     char line[600];

@@ -1,11 +1,11 @@
-/* One value of a preset, and what is known of it:
+/* One value of a preset, with what is known about it:
  *
- *   "value"   what the key gets
- *   "spread"  [low, high], of numbers: where cameras of that kind, their settings, or a measurement's uncertainty let it be
+ *   "value"   value of the key
+ *   "spread"  [low, high] for numbers: range over cameras, over their settings, or of the measurement's uncertainty
  *   "kind"    documented, measured, derived (by a formula), or guess
- *   "source"  where that can be looked up; of a guess, why it is that
+ *   "source"  where to look it up; for a guess, the reason
  *
- * All but the value may be left out of presets of one's own. */
+ * A user's own presets may leave out all but the value. */
 #include "td_run.h"
 
 #include <string.h>
@@ -49,7 +49,7 @@ tides_status td_preset_entry(const tides_param *row, const cJSON *item, const ch
     return td_param_check(row, *value, where, error);
 }
 
-/* A whole number from 1. */
+/* A whole number from 1 on. */
 static int32_t counts(const cJSON *item) {
     return cJSON_IsNumber(item) && item->valueint >= 1 && item->valuedouble == item->valueint;
 }

@@ -1,6 +1,5 @@
-/* Events into a file while they are simulated: PATH.part, with PATH.checkpoint beside it, from which a run that was stopped, or
- * died, goes on, and where it is kept, one that was finished. For tides_session_write and tides_simulator_write; the formats
- * are lib/events', the state is lib/solver's. */
+/* Writes events to PATH.part during a simulation, with checkpoints in PATH.checkpoint. From these a run that was stopped or
+ * killed continues; if the checkpoint is kept, so does a finished run with a later stop. */
 #include "run/td_recording.h"
 
 #include "events/td_event_format.h"
@@ -15,8 +14,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A checkpoint that takes long, of a large image on a slow disk, comes less often: this much simulation per second of saving.
- * */
+/* Seconds of simulation between checkpoints, per second that saving one takes: a large image on a slow disk saves less
+ * often. */
 static const double least_work = 50.0;
 
 void tides_recording_defaults(tides_recording *recording) {
@@ -34,7 +33,8 @@ static tides_status check_how(const td_record *r, const char *path, tides_error 
     return TIDES_OK;
 }
 
-/* Where the file's name fits and what stands beside it doesn't, the run would end in a riddle. */
+/* Refuses a name that is so long that names of files beside it (.part, .checkpoint.part) would be too long for the file
+ * system. */
 static tides_status check_name(const td_record *r, const char *path, tides_error *error) {
     static const char longest[] = ".checkpoint.part", other[] = ".part";
     const size_t room = NAME_MAX - (r->checkpoint ? sizeof longest : sizeof other) + 1, length = strlen(td_base_name(path));
@@ -86,7 +86,7 @@ tides_status td_record_again(td_record *r, tides_error *error) {
     return status;
 }
 
-/* -- on the way  */
+/* -- during the run  */
 
 int td_record_take(void *user, const tides_event *events, size_t count) {
     td_record *r = user;
@@ -103,7 +103,8 @@ tides_status td_record_judge(const td_record *r, tides_status status, tides_erro
     return r->cause.status;
 }
 
-/* A tides_progress that also stops the simulator where a checkpoint is due; within a step, which would be lost, it never is. */
+/* A tides_progress that also stops the simulator when a checkpoint is due; only between steps, since a step that is stopped
+ * is lost. */
 static int step(void *user, double fraction, const char *stage) {
     td_record *r = user;
     const int32_t whole = r->whole;
@@ -112,8 +113,8 @@ static int step(void *user, double fraction, const char *stage) {
     return r->stopped || (whole && r->checkpoint && r->how.checkpoint_s > 0 && td_now() >= r->due);
 }
 
-/* First the events, then the state that follows them: wherever the process dies, a pair that fits is left. A failure is
- * reported once, and is no reason to throw the run away. */
+/* Saves the events first and then the state, so that a matching pair exists whenever the process dies. A failure is reported
+ * once, and doesn't end the run. */
 static void save(td_record *r) {
     tides_error error = {TIDES_OK, ""};
     const double began = td_now();
@@ -135,8 +136,9 @@ static tides_status simulate(td_record *r, double until, tides_error *error) {
     return status;
 }
 
-/* The checkpoint that is kept is of the last step's beginning: how that step ends is this run's own (the stop may cut it short,
- * its last nanosecond is in it, and the readout gives all that it holds), and a longer run has it otherwise. */
+/* Simulates up to `stop`. The checkpoint to keep is made at the beginning of the last step. That step's end belongs to this
+ * run only: `stop` may cut it short, its last nanosecond is included, and the readout gives out all that it holds. A longer
+ * run has another end there. */
 tides_status td_record_simulate(td_record *r, double stop, tides_error *error) {
     tides_status status = TIDES_OK;
     r->stopped = 0;
@@ -152,7 +154,7 @@ tides_status td_record_simulate(td_record *r, double stop, tides_error *error) {
 tides_status td_record_finish(td_record *r, tides_error *error) {
     tides_event_writer *writer = r->writer;
     r->done->collapsed = tides_event_writer_collapsed(writer);
-    r->writer = NULL; /* gone whatever _finish returns */
+    r->writer = NULL; /* tides_event_writer_finish frees it in any case */
     tides_status status = tides_event_writer_finish(writer, r->facts->stop_ns, error);
     r->done->complete = status == TIDES_OK;
     return status == TIDES_OK && !r->how.keep_checkpoint ? remove_checkpoint(r, error) : status;

@@ -1,9 +1,9 @@
-/* Keys and choices that earlier versions had, and their replacements: a run file that still has one fails with that advice. */
+/* Keys and choices of earlier versions with their replacements: a run file that still has one fails with this advice. */
 #include "td_run.h"
 
 #include <string.h>
 
-/* Where no choice is named, the key itself is gone. */
+/* A row without a choice is about the whole key. */
 static const struct retired {
     const char *key, *choice, *instead;
 } retired[] = {

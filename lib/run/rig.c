@@ -1,12 +1,12 @@
-/* Rigs: several cameras on one body, in the run file's rig.cameras, of which rig.camera chooses the one that a run is of:
+/* Rigs: several cameras on one body, from rig.cameras in the run file. A run is of one camera, named by rig.camera:
  *
  *     "rig": {"cameras": [{"name": "left"},
  *                         {"name": "right", "T_B_C": [[1, 0, 0, 0.1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]],
  *                          "kind": "event", "camera": {"fx": 320}, "sensor": {"threshold_on": 0.3}}]}
  *
- * camera.file is then the body's path, p_body = T_B_C p_camera [scene units], and `camera`, `sensor`, `frontend` and `readout`
- * are keys of the run that are another camera's. They win over the file's, and --set wins over them. Whatever runs a run so
- * runs one camera of a rig, with no more to know: simulate, render, batch (a grid over rig.camera), Python, checkpoints. */
+ * camera.file is then the body's path, with p_body = T_B_C p_camera [scene units]. `camera`, `sensor`, `frontend` and
+ * `readout` hold the camera's own values of keys. They override the file's, and --set overrides them. Any code that handles a
+ * run thus handles one camera of a rig: simulate, render, batch (a grid over rig.camera), Python, checkpoints. */
 #include "camera/td_rotation.h"
 #include "td_run.h"
 
@@ -14,7 +14,7 @@
 
 static const cJSON *of(const cJSON *camera, const char *key) { return cJSON_GetObjectItemCaseSensitive(camera, key); }
 
-/* The camera that rig.camera names, the first where it names none; NULL without a rig. */
+/* The camera that rig.camera names, or the first one; NULL without a rig. */
 static const cJSON *chosen(const tides_run *run) {
     const cJSON *name = td_run_value(run, "rig.camera"), *camera;
     cJSON_ArrayForEach(camera, td_run_value(run, "rig.cameras")) {
@@ -23,7 +23,7 @@ static const cJSON *chosen(const tides_run *run) {
     return NULL;
 }
 
-/* Applies the values that a camera has of its own; --set overrides them. */
+/* Applies a camera's own values; --set overrides them. */
 static tides_status apply(tides_run *run, const cJSON *object, const char *group, tides_error *error) {
     const cJSON *item;
     cJSON_ArrayForEach(item, object) {
@@ -55,8 +55,8 @@ tides_status td_rig_apply(tides_run *run, tides_error *error) {
     return status;
 }
 
-/* Noise is a function of seed and pixel: two cameras of one seed would have the same. The first keeps the run's; others are
- * 2^64 / phi further each, which hashing spreads. */
+/* The seed of the rig's camera. Noise depends on seed and pixel, so two cameras with one seed would have equal noise. The
+ * first camera has the run's seed; each further one adds 2^64 / phi, which hashing spreads. */
 uint64_t td_rig_seed(const tides_run *run, uint64_t seed) {
     const cJSON *mine = chosen(run), *camera;
     cJSON_ArrayForEach(camera, td_run_value(run, "rig.cameras")) {

@@ -1,4 +1,4 @@
-/* The check of rig.cameras: cameras with names, kinds, places, and keys of the run of their own (rig.c has an example). */
+/* Checks rig.cameras: a list of cameras with names, kinds, poses on the body, and their own values of keys of the run. */
 #include "camera/td_rotation.h"
 #include "td_run.h"
 
@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* How far a rotation may be from one, of numbers in a text file. */
+/* Allowed deviation of a matrix in a text file from a rotation. */
 #define ROTATION_TOLERANCE 1e-6
 
 static const char *const kinds[] = {"both", "event", "frame"}; /* in the order of TIDES_RIG_* */
@@ -14,12 +14,12 @@ enum { KINDS = sizeof kinds / sizeof *kinds };
 
 /* -- one camera ----------------------------------------------------------------------------------------------------------- */
 
-/* Fails with `name` ("rig.cameras[1]") before what is wrong. */
+/* Fails with an error about `name`, such as "rig.cameras[1]". */
 static tides_status bad(const char *where, const char *name, const char *what, tides_error *error) {
     return td_fail(error, TIDES_BAD_CONFIG, "%s: %s%s", where, name, what);
 }
 
-/* Folders are called so. */
+/* 1 for a valid name; folders are named after cameras. */
 static int is_name(const cJSON *item) {
     if (!cJSON_IsString(item) || !item->valuestring[0] || strlen(item->valuestring) >= TIDES_RIG_NAME) return 0;
     for (const char *at = item->valuestring; *at; at++)
@@ -50,7 +50,7 @@ int32_t td_rig_transform(const cJSON *item, double transform[16]) {
     return 1;
 }
 
-/* Columns of length 1, at right angles, right-handed; and the row that says nothing. */
+/* 1 if the columns are orthonormal and right-handed, and the last row is 0 0 0 1. */
 static int is_rigid(const double t[16]) {
     double c[3][3], cross[3];
     for (int i = 0; i < 9; i++) c[i % 3][i / 3] = t[i / 3 * 4 + i % 3];
@@ -61,7 +61,7 @@ static int is_rigid(const double t[16]) {
     return good;
 }
 
-/* A key of the run that is the camera's own; `group` is "sensor". */
+/* Checks a group of a camera's own keys, such as "sensor". */
 static tides_status check_keys(const cJSON *object, const char *group, const char *where, tides_error *error) {
     const cJSON *item;
     cJSON_ArrayForEach(item, object) {
@@ -122,13 +122,14 @@ static tides_status check_item(const cJSON *item, const char *name, const char *
 
 static const cJSON *of(const cJSON *camera, const char *key) { return cJSON_GetObjectItemCaseSensitive(camera, key); }
 
-/* Two cameras that have one name; or see with one kind of pixel from one place, which makes no stereo. */
+/* Refuses two cameras with one name, or with pixels of one kind at one place: they would see the same. */
 static tides_status check_pair(const cJSON *one, const cJSON *two, const char *where, tides_error *error) {
     const char *first = of(one, "name")->valuestring, *second = of(two, "name")->valuestring;
     if (strcmp(first, second) == 0)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: rig.cameras: two are called \"%s\"; give each its name", where, first);
     const int32_t a = td_rig_kind(of(one, "kind")), b = td_rig_kind(of(two, "kind"));
-    if (a != b && a != TIDES_RIG_BOTH && b != TIDES_RIG_BOTH) return TIDES_OK; /* behind one beam splitter */
+    /* an event and a frame sensor may share a place behind a beam splitter */
+    if (a != b && a != TIDES_RIG_BOTH && b != TIDES_RIG_BOTH) return TIDES_OK;
     double t[16], u[16], apart = 0;
     td_rig_transform(of(one, "T_B_C"), t);
     td_rig_transform(of(two, "T_B_C"), u);

@@ -1,6 +1,6 @@
-/* rig.file: the cameras of a rig out of Kalibr's camchain.yaml, as rig.cameras has them: cam0, cam1 ... with lens, size and
- * place. Its places are in metres, so scene.metres_per_unit must be known where they aren't 0. Values in rig.cameras for a
- * camera of that name win: its kind, its sensor; a name that isn't in the file is refused. */
+/* Reads rig.file, Kalibr's camchain.yaml, as rig.cameras: cam0, cam1 ... with lens, size and pose. Poses are in metres, so
+ * scene.metres_per_unit is needed if any isn't 0. Values in rig.cameras for a camera of that name override the file's; a name
+ * that isn't in the file is refused. */
 #include "camera/td_camchain.h"
 #include "camera/td_lens_models.h"
 #include "td_kinds.h"
@@ -15,7 +15,7 @@ static int put_number(cJSON *object, const char *name, double value) {
     return cJSON_AddNumberToObject(object, name, value) != NULL;
 }
 
-/* "camera": size, focal lengths, principal point, lens. */
+/* Puts "camera": size, focal lengths, principal point, lens. */
 static int put_intrinsics(cJSON *camera, const tides_intrinsics *k) {
     const td_lens_model *model = td_lens_model_of(k->lens.model);
     const double plain[] = {k->fx, k->fy, k->cx, k->cy};
@@ -76,7 +76,7 @@ static int merge(cJSON *to, const cJSON *from) {
 
 static const char *name_of(const cJSON *camera) { return cJSON_GetObjectItemCaseSensitive(camera, "name")->valuestring; }
 
-/* rig.cameras over the file's. */
+/* Merges rig.cameras over the file's cameras. */
 static tides_status merge_all(const tides_run *run, cJSON *list, const char *file, tides_error *error) {
     const cJSON *given;
     cJSON_ArrayForEach(given, td_run_value(run, "rig.cameras")) {
@@ -110,7 +110,7 @@ static tides_status read_file(const tides_run *run, const char *file, td_camchai
     return status == TIDES_OK ? status : td_fail_within(error, status, "%s: rig.file", run->origin);
 }
 
-/* The merged list in place of rig.cameras, which says what it was to runs that vary this one. */
+/* Replaces rig.cameras by the merged list, and keeps the old value for runs that vary this one. */
 static tides_status replace(tides_run *run, const cJSON *list, const char *where, tides_error *error) {
     const tides_param *row = td_param_find("rig.cameras");
     const size_t place = (size_t)(row - tides_params(NULL));

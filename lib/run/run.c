@@ -1,4 +1,4 @@
-/* A run file as an object: load, parse, vary, and what no single row of the table can say. */
+/* Run files as objects: loads, parses and varies them, and checks rules across several keys. */
 #include "frames/td_frames.h"
 #include "scene/td_splat.h"
 #include "td_folder.h"
@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A run file is a page of text; more is another kind of file given by mistake. */
+/* Largest run file: a larger one is another kind of file, given by mistake. */
 enum { RUN_FILE_LIMIT = 1 << 22 };
 
-/* The text of a row, NULL where it is null. */
+/* The text of a row; NULL if its value is null. */
 static const char *run_text(const tides_run *run, const char *key) {
     const cJSON *value = td_run_value(run, key);
     return cJSON_IsString(value) ? value->valuestring : NULL;
@@ -23,7 +23,7 @@ static const char *run_text(const tides_run *run, const char *key) {
 static tides_status check_whole(const tides_run *run, tides_error *error) {
     size_t count;
     const tides_param *rows = tides_params(&count);
-    const int32_t frames = run_text(run, "frames.file") != NULL; /* then there is neither scene nor camera */
+    const int32_t frames = run_text(run, "frames.file") != NULL; /* then neither scene nor camera is needed */
     const int32_t orbit = cJSON_IsNumber(td_run_value(run, "camera.orbit_s"));
     for (size_t i = 0; i < count; i++)
         if (!run->values[i] && !((frames || orbit) && strcmp(rows[i].key, "camera.file") == 0))
@@ -40,7 +40,7 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
         return td_fail(error, TIDES_BAD_CONFIG,
                        "%s: method \"ldati\" takes voxel grids: name their .npy, .npz or .h5 in frames.file", run->origin);
     double start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
-    if (stop <= start && !(frames && !tides_run_gives(run, "time.stop"))) /* then they say when it ends */
+    if (stop <= start && !(frames && !tides_run_gives(run, "time.stop"))) /* otherwise the frames give the end */
         return td_fail(error, TIDES_BAD_CONFIG, "%s: time.stop = %.15g s is not after time.start = %.15g s", run->origin, stop,
                        start);
     const char *mode = run_text(run, "stepping.mode"), *model = run_text(run, "stepping.model");
@@ -52,7 +52,7 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
     return TIDES_OK;
 }
 
-/* The texts that are derived from the values: resolved paths and the whole run as JSON. */
+/* Makes the texts that follow from the values: resolved paths, and the whole run as JSON. */
 static tides_status derive(tides_run *run, tides_error *error) {
     for (size_t i = 0; i < td_params_count; i++) {
         if (!td_params[i].is_file || !cJSON_IsString(run->values[i])) continue;
@@ -62,7 +62,7 @@ static tides_status derive(tides_run *run, tides_error *error) {
     return td_run_print(run->values, &run->json, error);
 }
 
-/* An empty run with the table's defaults. */
+/* Makes an empty run with the table's defaults. */
 static tides_status create(const char *origin, const char *directory, tides_run **run, tides_error *error) {
     tides_run *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
@@ -84,8 +84,8 @@ static int32_t is_given(const tides_run *run, const char *key, int by) {
     return run->given[td_param_find(key) - tides_params(NULL)] == by;
 }
 
-/* A size that an override gives beside the file's focal length cuts the view, or adds to it, about its middle. Most people who
- * give one want the same view in fewer pixels, which the run has where its path file says the focal length. */
+/* Notes that the image's size was overridden while the file gives the focal length: that crops or extends the view around its
+ * middle. Most people want the same view in fewer pixels, and get it if the path file gives the focal length. */
 static tides_status note_view(tides_run *run, tides_error *error) {
     const int32_t resized = is_given(run, "camera.width", TD_GIVEN_SET) || is_given(run, "camera.height", TD_GIVEN_SET);
     if (!resized || !is_given(run, "camera.fx", TD_GIVEN_FILE) || is_given(run, "camera.scale", TD_GIVEN_SET)) return TIDES_OK;
@@ -98,7 +98,7 @@ static tides_status note_view(tides_run *run, tides_error *error) {
     return td_run_note(run, line, error);
 }
 
-/* After the file's text: overrides, rig, with its file, preset, checks, and what is derived. A run that fails is destroyed. */
+/* Completes a run after its text: overrides, rig, preset, checks, derived texts. On failure it is destroyed. */
 static tides_status finish(tides_run *made, const char *const *overrides, size_t count, tides_run **run, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < count; i++) status = td_run_override(made, overrides[i], error);
@@ -128,7 +128,7 @@ static tides_status parse(const char *text, size_t bytes, const char *origin, co
     return status;
 }
 
-/* The text of a run that was put together from `file`; 0 for `ok`: there was no memory for all of it. */
+/* Prints the JSON of a run that was made from `file`. `ok` 0: memory was short. */
 static char *print_run(cJSON *root, int32_t ok, const char *file, tides_error *error) {
     char *printed = ok ? cJSON_PrintUnformatted(root) : NULL, *text = printed ? td_strdup(printed, error) : NULL;
     if (!printed) td_fail(error, TIDES_NO_MEMORY, "out of memory: %s", file);
@@ -137,7 +137,7 @@ static char *print_run(cJSON *root, int32_t ok, const char *file, tides_error *e
     return text;
 }
 
-/* The run that a splat file is, given in place of a run file: it alone, on an orbit, for a tenth of a second. */
+/* The run for a splat file given instead of a run file: the file alone, on an orbit, for a tenth of a second. */
 static char *run_of_scene(const char *file, tides_error *error) {
     cJSON *root = cJSON_CreateObject();
     int32_t ok = root && cJSON_AddStringToObject(cJSON_AddObjectToObject(root, "scene"), "file", td_base_name(file));
@@ -146,12 +146,12 @@ static char *run_of_scene(const char *file, tides_error *error) {
     return print_run(root, ok, file, error);
 }
 
-/* 1 where a splat file or a model's folder is given in place of a run file. */
+/* 1 if the argument is a splat file or a model's folder instead of a run file. */
 static int32_t is_scene(const char *file) {
     return (!td_ends_in(file, ".json") || td_sog_is_meta(file) || td_sog_is_lod(file)) && tides_scene_is_file(file);
 }
 
-/* The run that frames are, given alone. A video ends with its run (session.c), and is known to be sRGB. */
+/* The run for frames given alone. A video ends the run with itself, and is known to be sRGB. */
 static char *run_of_frames(const char *file, tides_error *error) {
     cJSON *root = cJSON_CreateObject(), *frames = root ? cJSON_AddObjectToObject(root, "frames") : NULL;
     int32_t ok = frames && cJSON_AddStringToObject(frames, "file", td_base_name(file));
@@ -161,7 +161,7 @@ static char *run_of_frames(const char *file, tides_error *error) {
 
 int32_t td_run_is_video(const char *file) { return td_frames_is_video(file); }
 
-/* Notes that values of pictures are taken as linear light, because the pictures don't give their transfer. */
+/* Notes that pictures which don't give their transfer are taken as linear light. */
 static tides_status note_frames(tides_run *run, const char *file, tides_error *error) {
     char line[300];
     if (!td_is_folder(file) || is_given(run, "frames.transfer", TD_GIVEN_SET)) return TIDES_OK;
@@ -173,7 +173,7 @@ static tides_status note_frames(tides_run *run, const char *file, tides_error *e
     return td_run_note(run, line, error);
 }
 
-/* A folder that is neither a scene nor frames. */
+/* Refuses a folder that holds neither a scene nor frames. */
 static tides_status refuse_folder(const char *file, tides_error *error) {
     td_folder jpeg = {NULL, 0, 0};
     tides_frames_options options;
@@ -181,7 +181,7 @@ static tides_status refuse_folder(const char *file, tides_error *error) {
     tides_status status = td_folder_list(&jpeg, file, ".jpg", error);
     tides_frames_options_defaults(&options);
     if (status == TIDES_OK && jpeg.count)
-        status = tides_frames_open(file, &options, &frames, error); /* which says what to do */
+        status = tides_frames_open(file, &options, &frames, error); /* its error says what to do */
     tides_frames_close(frames);
     td_folder_free(&jpeg);
     if (status != TIDES_OK) return status;
@@ -206,7 +206,7 @@ tides_status tides_run_load(const char *file, const char *const *overrides, size
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_load: file, run or overrides is NULL");
     char *text = NULL, *plain = NULL, *directory = NULL;
     size_t bytes = 0;
-    /* An HDF5 file may be either, and a model's folder has pictures of its own. */
+    /* An HDF5 file may be a scene or frames, and a model's folder may hold pictures, too. */
     const int32_t video = td_run_is_video(file),
                   scene = !video && (td_is_folder(file) || !td_frames_is(file)) && is_scene(file);
     const int32_t frames = video || (!scene && td_frames_is(file));
@@ -236,7 +236,7 @@ tides_status tides_run_parse(const char *text, const char *directory, const char
     return parse(text, strlen(text), "run", directory ? directory : "", overrides, count, run, error);
 }
 
-/* The given values alone: a preset's are found anew, for the overrides may name another one. */
+/* Makes a variation from the given values only: a preset is applied again, because the overrides may name another one. */
 tides_status tides_run_vary(const tides_run *base, const char *const *overrides, size_t count, tides_run **run,
                             tides_error *error) {
     if (!base || !run || (count && !overrides))
@@ -245,7 +245,7 @@ tides_status tides_run_vary(const tides_run *base, const char *const *overrides,
     tides_status status = create(base->origin, base->directory, &made, error);
     if (status == TIDES_OK && base->file && !(made->file = td_strdup(base->file, error))) status = TIDES_NO_MEMORY;
     for (size_t i = 0; status == TIDES_OK && i < td_params_count; i++) {
-        const int32_t hidden = base->given[i] > TD_GIVEN_SET; /* the rig's camera or the preset may be another one now */
+        const int32_t hidden = base->given[i] > TD_GIVEN_SET; /* the rig's camera or the preset may change */
         const cJSON *value = hidden ? base->beneath[i] : base->given[i] ? base->values[i] : NULL;
         if (!value) continue;
         made->given[i] = hidden ? TD_GIVEN_FILE : base->given[i];

@@ -5,8 +5,7 @@
 #include <string.h>
 
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error) {
-    const int32_t is_number =
-        strcmp(row->key, "seed") == 0 && cJSON_IsNumber(value); /* kept as text, which has room for 64 bits */
+    const int32_t is_number = strcmp(row->key, "seed") == 0 && cJSON_IsNumber(value); /* stored as text, which holds 64 bits */
     const int32_t is_switch = row->type == TIDES_PARAM_CHOICE && cJSON_IsBool(value);
     char digits[24];
     if (is_number) snprintf(digits, sizeof digits, "%.0f", value->valuedouble);
@@ -19,7 +18,7 @@ tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *v
     return TIDES_OK;
 }
 
-/* Cameras of a rig have values of other rows: so their check stands above the one of a row's value. */
+/* Checks a value. It stands here, and not with checks of single rows, because cameras of a rig have values of other rows. */
 static tides_status check_value(const tides_param *row, const cJSON *value, const char *where, tides_error *error) {
     const int32_t is_rig = strcmp(row->key, "rig.cameras") == 0 && !td_param_is_default(row, value);
     return is_rig ? td_rig_check(value, where, error) : td_param_check(row, value, where, error);
@@ -40,7 +39,7 @@ static tides_status read_object(tides_run *run, const cJSON *object, const char 
         const tides_param *row = td_param_find(key);
         int32_t is_group = td_param_is_group(key);
         if (length < 0 || (size_t)length >= sizeof key || !(row || is_group)) return td_param_unknown(run->origin, key, error);
-        /* As --set and manifests write it, "sensor.b_min" is the name b_min in the group sensor: twice in two ways, too. */
+        /* "sensor.b_min" is also accepted as a key, as in --set, so a value may be given twice in two ways. */
         if (is_repeated(item) || (row && run->given[row - tides_params(NULL)] == TD_GIVEN_FILE))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", run->origin, key);
         if (is_group && !cJSON_IsObject(item))
@@ -54,7 +53,7 @@ static tides_status read_object(tides_run *run, const cJSON *object, const char 
     return TIDES_OK;
 }
 
-/* The byte at which cJSON gave up. Where it wanted a key's quote and found something else it is one too far. */
+/* Offset at which cJSON failed. If it expected the quote of a key, its offset is one too large. */
 static size_t error_offset(const char *text, size_t bytes, const char *at) {
     size_t offset = at && at >= text ? (size_t)(at - text) : 0;
     if (offset > bytes) offset = bytes;
@@ -72,7 +71,7 @@ static tides_status bad_syntax(const tides_run *run, const char *text, size_t by
         line += text[i] == '\n';
     }
     char near_it[24];
-    const size_t blank = strspn(text, " \t\r\n\xEF\xBB\xBF"); /* a byte order mark, too */
+    const size_t blank = strspn(text, " \t\r\n\xEF\xBB\xBF"); /* also a byte order mark */
     const int32_t is_json = text[blank] == '{' || text[blank] == '[' || !text[blank];
     snprintf(near_it, sizeof near_it, "%.20s", text + (is_json ? offset : blank));
     near_it[strcspn(near_it, "\r\n")] = '\0';
@@ -88,11 +87,11 @@ static tides_status bad_syntax(const tides_run *run, const char *text, size_t by
                    near_it[0] ? "\"" : "");
 }
 
-/* Comments become spaces, and so does the comma before a closing bracket: what is left when lines of a template are taken into
- * use or out of it. Errors keep their line and column. */
+/* Replaces comments by spaces, and so the comma before a closing bracket, which remains when lines of a template are
+ * commented out. Errors keep their line and column. */
 static void blank_comments(char *text, size_t bytes) {
     int32_t quoted = 0;
-    char *comma = NULL; /* the last sign, where that is a comma */
+    char *comma = NULL; /* the last character, if it is a comma */
     for (size_t i = 0; i < bytes; i++) {
         if (!quoted && text[i] == '/' && i + 1 < bytes && text[i + 1] == '/')
             while (i < bytes && text[i] != '\n' && text[i] != '\r') text[i++] = ' ';
@@ -129,7 +128,7 @@ tides_status td_run_read(tides_run *run, const char *text, size_t bytes, tides_e
     return status;
 }
 
-/* The value of an assignment: JSON where it is JSON and the row doesn't hold text; else the bare text. So device=0,
+/* The value of an assignment: parsed as JSON if possible, unless the row holds text; otherwise the bare text. So device=0,
  * seed=18446744073709551615 and scene.file=a.ply need no quotes. */
 static cJSON *assigned_value(const tides_param *row, const char *text) {
     cJSON *value = cJSON_ParseWithOpts(text, NULL, 1);

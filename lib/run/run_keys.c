@@ -1,4 +1,4 @@
-/* A run asked for the values of its keys, who gave them, and the notes that its reader should hear. */
+/* Values of a run's keys, the sources of these values, and notes for the user. */
 #include "td_params.h"
 #include "td_run.h"
 

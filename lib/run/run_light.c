@@ -1,14 +1,14 @@
-/* The scale of light: what follows from the illuminance where Y = 1 (camera.lux) and from the black level (image.log_eps),
- * for the keys that neither file nor override gives. They become the run's own values, so that its record says them. */
+/* Sets keys that follow from the illuminance at Y = 1 (camera.lux) and from the black level (image.log_eps), unless file or
+ * override gives them. They become values of the run, so that its record includes them. */
 #include "td_base.h"
 #include "td_run.h"
 
 #include <math.h>
 
-/* DVS-Voltmeter's frames: 8 bits. */
+/* DVS-Voltmeter assumes frames of 8 bits. */
 static const double full_scale_dn = 255;
 
-/* Gives a row a number, unless it is given, within what the row takes. */
+/* Sets a row to a number, clamped to its range, unless it is given. */
 static tides_status follow(tides_run *run, const char *key, double number, tides_error *error) {
     const tides_param *row = td_param_find(key);
     if (tides_run_gives(run, key)) return TIDES_OK;

@@ -1,5 +1,5 @@
-/* Opens the files that a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the
- * frames. Facts that may surprise the run's reader are noted on the way. */
+/* Opens the files that a run names: the scene with its moving objects, and the camera's path with its intrinsics; or frames.
+ * It notes facts that may surprise the user. */
 #include "camera/td_trajectory.h"
 #include "td_folder.h"
 #include "td_math.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* "0.0223 s at its beginning, 1.2 s at its end" */
+/* Formats what a path lacks: "0.0223 s at its beginning, 1.2 s at its end". */
 static const char *lacking(double first, double last, double start, double stop, char text[96]) {
     const double before = first - start, after = stop - last;
     const char *between = before > 0 && after > 0 ? ", " : "";
@@ -20,7 +20,7 @@ static const char *lacking(double first, double last, double start, double stop,
     return text;
 }
 
-/* Whether a path covers the run; `file` and `key` say whose it is. */
+/* Fails unless a path covers the run; `file` and `key` are for the message. */
 static tides_status check_cover(const tides_run *run, const tides_trajectory *trajectory, const char *file, const char *key,
                                 tides_error *error) {
     char text[96];
@@ -37,7 +37,7 @@ static tides_status check_cover(const tides_run *run, const tides_trajectory *tr
                                                          : "");
 }
 
-/* With camera.extrapolate: what the camera's path lacks of the run, and a line on it. */
+/* With camera.extrapolate: extends the camera's path to cover the run, and adds a note. */
 static tides_status go_on(const tides_run *run, tides_trajectory **path, const char *file, char **notes, tides_error *error) {
     char text[96];
     double first, last, start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
@@ -53,7 +53,7 @@ static tides_status go_on(const tides_run *run, tides_trajectory **path, const c
                    lacking(first, last, start, stop, text));
 }
 
-/* Notes on a path; `key` is the run file's key for it. */
+/* Adds notes about a path; `key` is the run file's key of the path. */
 static tides_status note_path(const tides_run *run, const tides_path *path, const char *file, const char *key, double duration,
                               char **notes, tides_error *error) {
     const int camera = strcmp(key, "camera.file") == 0;
@@ -69,8 +69,7 @@ static tides_status note_path(const tides_run *run, const tides_path *path, cons
                    camera ? "; camera.duration_s says how long they last" : "; duration_s beside it says how long they last");
 }
 
-/* Checks that the motions a file brought into the scene, from object `first` on, cover the run too: an .h5 may hold moving
- * objects. */
+/* Fails unless motions in the file's objects (from number `first` on) cover the run: an .h5 scene may hold moving objects. */
 static tides_status check_motion(const tides_run *run, const tides_scene *scene, int32_t first, const char *file,
                                  const char *key, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -82,7 +81,7 @@ static tides_status check_motion(const tides_run *run, const tides_scene *scene,
     return status;
 }
 
-/* Adds a splat file, or a part of it (nullable); `key` is what names it. */
+/* Adds a splat file, or a part of it (may be NULL), to the scene; errors name `key`. */
 static tides_status add_file(const tides_run *run, tides_scene *scene, const char *file, const char *part,
                              const tides_trajectory *motion, double scale, const char *key, tides_error *error) {
     const int32_t first = tides_scene_objects(scene);
@@ -112,7 +111,8 @@ static tides_status add_object(const tides_run *run, const cJSON *object, int in
         tides_path_options options;
         td_run_object_path(object, &options);
         status = tides_path_load(path_file, &options, &path, error);
-        if (cJSON_GetObjectItemCaseSensitive(object, "duration_s")) path.untimed = 0; /* no news */
+        /* the user gave the duration, so no note */
+        if (cJSON_GetObjectItemCaseSensitive(object, "duration_s")) path.untimed = 0;
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, path_file, path_key, error);
         if (status == TIDES_OK) status = note_path(run, &path, path_file, path_key, options.duration, notes, error);
         if (status != TIDES_OK) goto done;
@@ -127,7 +127,7 @@ done:
     return status;
 }
 
-/* scene.duration_s, where it is given; a scene without motion has no use for it. */
+/* Applies scene.duration_s, if given; a scene without motion doesn't need it. */
 static tides_status set_duration(const tides_run *run, tides_scene *scene, tides_error *error) {
     if (!cJSON_IsNumber(td_run_value(run, "scene.duration_s"))) return TIDES_OK;
     if (tides_scene_set_duration(scene, td_run_number(run, "scene.duration_s")) > 0) return TIDES_OK;
@@ -156,12 +156,12 @@ static tides_status open_scene(const tides_run *run, tides_scene **scene, char *
     return status;
 }
 
-enum { LARGEST_SIDE = 16384 }; /* camera.width's and .height's bound */
+enum { LARGEST_SIDE = 16384 }; /* [px] limit of camera.width and camera.height */
 
-/* Path files leave what they don't know at 0. */
+/* Returns the default for a value of 0, which path files have for what they don't know. */
 static double given_or(double value, double otherwise) { return value > 0 || value < 0 ? value : otherwise; }
 
-/* The run's lens where it names one, else the path file's: coefficients belong to their lens. */
+/* Takes the run's lens if it names one, otherwise the path file's: coefficients belong to their lens model. */
 static tides_status merge_lens(const tides_run *run, const tides_path *file, tides_lens *merged, tides_error *error) {
     if (strcmp(td_run_value(run, "camera.lens")->valuestring, "file") != 0) return TIDES_OK;
     if (file->distorted)
@@ -181,7 +181,7 @@ static tides_status merge_lens(const tides_run *run, const tides_path *file, tid
     return TIDES_OK;
 }
 
-/* Image and lens in more or fewer pixels: the same view. */
+/* Scales image and lens to more or fewer pixels, with the same view. */
 static void scale_view(tides_intrinsics *view, double scale) {
     const double width = fmax(1, round(scale * view->width)), height = fmax(1, round(scale * view->height));
     const double x = width / view->width, y = height / view->height;
@@ -193,16 +193,16 @@ static void scale_view(tides_intrinsics *view, double scale) {
     view->height = (int32_t)height;
 }
 
-/* camera.width or camera.height alone is a wish for the same view at that size. */
+/* If only one of camera.width and camera.height is given, the view is scaled to it. */
 static double scale_of_one_side(const tides_intrinsics *own, const tides_intrinsics *path) {
     if (own->fx > 0 || own->fy > 0 || !(path->fx > 0) || path->width == 0 || path->height == 0) return 0;
     if (own->width && !own->height) return (double)own->width / path->width;
     return own->height && !own->width ? (double)own->height / path->height : 0;
 }
 
-/* Merges the intrinsics of the run file and the path file. The path file's focal length and centre belong to its own image
- * size. They are taken only where the run keeps that size or names one side alone, which scales them; two given sides could
- * mean cropping or scaling. An angle of view holds at any size. */
+/* Merges the intrinsics of run file and path file. Focal length and centre of the path file belong to its image size, so they
+ * are used only if the run keeps this size, or names one side, which scales them. Two given sides could mean cropping or
+ * scaling. An angle of view is valid for any size. */
 static tides_status merge_intrinsics(const tides_run *run, const tides_path *file, tides_intrinsics *merged,
                                      tides_error *error) {
     tides_run_values values;
@@ -251,8 +251,8 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
     return merge_lens(run, file, &merged->lens, error);
 }
 
-/* An orbit about what `scene` holds, at 640x480 px and 60 degrees where the run doesn't say otherwise. Its samples are those of
- * whole turns from second 0, so that a run which is longer sees the same path. */
+/* Finds an orbit around the contents of `scene`; the image has 640x480 px and 60 degrees unless the run says otherwise. The
+ * orbit consists of whole turns from second 0 on, so that a longer run sees the same path. */
 static tides_status find_orbit(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
                                tides_intrinsics *intrinsics, tides_error *error) {
     const double fx = 554.25625842204073; /* 320 / tan 30 degrees */
@@ -298,7 +298,7 @@ tides_status td_run_find_frame(const tides_run *run, char **file, tides_error *e
     return TIDES_OK;
 }
 
-/* Where the calibration has the IMU: on the rig's body, or as the path's folder says. */
+/* Sets the IMU's pose from the calibration: on the rig's body, or from the path's folder. */
 static void place_imu(const tides_run *run, const tides_path *path, td_opening *opening) {
     static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     opening->has_imu = run->imu_body || path->has_imu;
@@ -315,7 +315,7 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
     if (values.camera_file) {
         char *frame = NULL;
         status = td_run_find_frame(run, &frame, error);
-        values.path.body = run->imu_body; /* rig.file puts the cameras there */
+        values.path.body = run->imu_body; /* rig.file gives the cameras' poses on that body */
         values.path.frame = frame ? frame : "none";
         if (status == TIDES_OK) status = tides_path_load(values.camera_file, &values.path, &path, error);
         free(frame);
@@ -337,7 +337,7 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
     return status;
 }
 
-/* Splats of ns-export are in the trainer's frame, and these cameras aren't. */
+/* Adds a note if cameras may be in another frame than the splats: those of ns-export are in the trainer's frame. */
 static tides_status note_frames(const tides_run *run, const tides_scene *scene, const tides_trajectory *path,
                                 const tides_intrinsics *k, td_opening *opening, tides_error *error) {
     int32_t sees = 1;
@@ -359,7 +359,7 @@ tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajec
     tides_scene *made = NULL;
     const int32_t given = td_run_file(run, "camera.file") != NULL;
     tides_status status = given ? td_run_open_camera(run, NULL, &path, &size, opening, error)
-                                : TIDES_OK; /* first: it is small, and most slips are in it */
+                                : TIDES_OK; /* first, since it is small and most mistakes are in it */
     if (status == TIDES_OK) status = open_scene(run, &made, &opening->notes, error);
     if (status == TIDES_OK && !given) status = td_run_open_camera(run, made, &path, &size, opening, error);
     if (status == TIDES_OK && opening->unframed) status = note_frames(run, made, path, &size, opening, error);

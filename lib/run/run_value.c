@@ -1,4 +1,4 @@
-/* Checks one JSON value against its row of the table: type, range, choices, and whether this version acts on it. */
+/* Checks a JSON value against its row of the table: type, range, and choices. */
 #include "td_run.h"
 
 #include <errno.h>
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A value as the user wrote it, short enough for an error line. */
+/* A value as the user wrote it, shortened for an error line. */
 typedef struct value_text {
     char text[72];
 } value_text;
@@ -25,7 +25,8 @@ static tides_status wrong_type(const char *where, const char *key, const cJSON *
     return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is not %s", where, key, show(value).text, wanted);
 }
 
-/* A number, or a list with a number, beyond double's range (1e999). cJSON_Compare takes such a number to equal any other. */
+/* 1 for a number beyond double's range (1e999), or a list with one. cJSON_Compare treats such a number as equal to any
+ * other. */
 static int32_t is_infinite(const cJSON *value) {
     if (cJSON_IsNumber(value)) return isinf(value->valuedouble) ? 1 : 0;
     const cJSON *item;
@@ -47,7 +48,7 @@ static tides_status check_number(const tides_param *row, const cJSON *value, con
     if (!cJSON_IsNumber(value)) return wrong_type(where, row->key, value, whole ? "a whole number" : "a number", error);
     double number = value->valuedouble;
     if (whole && number != floor(number)) return wrong_type(where, row->key, value, "a whole number", error);
-    if (!(number >= row->lower && number <= row->upper)) /* infinities (1e999) end here too */
+    if (!(number >= row->lower && number <= row->upper)) /* infinities (1e999) are refused here, too */
         return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is out of range; it must lie in [%.10g, %.10g]%s%s", where,
                        row->key, isinf(number) ? "an infinite number" : show(value).text, row->lower, row->upper,
                        row->unit[0] ? " " : "", row->unit);
@@ -69,7 +70,7 @@ static tides_status check_vector(const tides_param *row, const cJSON *value, con
     return TIDES_OK;
 }
 
-/* "smooth|inria|gsplat" holds `text`; the names also go to `names` as "smooth, inria, gsplat". */
+/* 1 if `choices` ("smooth|inria|gsplat") holds `text`; lists the choices in `names` as "smooth, inria, gsplat". */
 static int32_t is_choice(const char *choices, const char *text, char *names, size_t size) {
     int32_t found = 0;
     size_t used = 0;
@@ -120,7 +121,7 @@ static tides_status check_string(const tides_param *row, const cJSON *value, con
 
 const char *const td_object_path_keys[] = {"time_unit", "duration_s", "start_s", NULL};
 
-/* As a camera's path has it: its row in the table, by the name that it has in an object; NULL: none of td_object_path_keys. */
+/* The row of the camera's path whose last name is `name`; NULL if an object's path has no such key. */
 static const tides_param *path_row(const char *name) {
     char key[TD_KEY_MAX];
     size_t count;
@@ -140,7 +141,7 @@ static tides_status check_object_path(const char *key, const cJSON *item, const 
     return td_param_check(&row, item, where, error);
 }
 
-/* One key of one entry of scene.objects; `name` is "scene.objects[i]". */
+/* Checks a key of an entry of scene.objects; `name` is "scene.objects[i]". */
 static tides_status check_object_key(const char *name, const cJSON *item, const char *where, tides_error *error) {
     static const char *const known[] = {"file", "trajectory", "scale", "part", "time_unit", "duration_s", "start_s", NULL};
     char key[TD_KEY_MAX];

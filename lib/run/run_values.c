@@ -1,11 +1,11 @@
-/* A run file's values, as the structs that the library takes: each row of the parameter table into its field. */
+/* Converts a run's values to the structs of the library: each row of the parameter table to its field. */
 #include "td_params.h"
 #include "td_run.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* The constant of a choice; the table has checked that the name is one of them. */
+/* The constant of a choice, whose name has been checked before. */
 static int32_t constant_of(const td_param *row, const char *name) {
     const size_t length = strlen(name);
     int32_t place = 0;
@@ -17,7 +17,7 @@ static int32_t constant_of(const td_param *row, const char *name) {
     return row->constants ? row->constants[place] : place;
 }
 
-/* A number, 0 where the value is null. */
+/* The number of a value; 0 if it is null. */
 static double number_of(const cJSON *value) { return cJSON_IsNumber(value) ? value->valuedouble : 0.0; }
 
 static void put_vector(const cJSON *value, int count, void *field) {
@@ -26,7 +26,7 @@ static void put_vector(const cJSON *value, int count, void *field) {
     memcpy(field, vector, (size_t)count * sizeof vector[0]);
 }
 
-/* `text` is what a STRING row says, NULL where it is null. */
+/* Sets a field. `text` is the value of a STRING row; NULL if it is null. */
 static void put(const td_param *row, const cJSON *value, const char *text, void *field) {
     const double number = number_of(value);
     int32_t whole = 0;
@@ -42,20 +42,20 @@ static void put(const td_param *row, const cJSON *value, const char *text, void 
     memcpy(field, &whole, sizeof whole);
 }
 
-/* Sets values that follow from several keys, or stand in several structs. */
+/* Sets values that depend on several keys, or are in several structs. */
 static void derive(const tides_run *run, tides_run_values *values) {
     tides_baseline_params *baseline = &values->baseline;
     tides_frames_options *frames = &values->frames;
     values->method = td_run_value(run, "method")->valuestring;
     values->json = run->json;
-    values->sensor.seed = td_rig_seed(run, strtoull(values->seed, NULL, 10)); /* the table has checked the number */
+    values->sensor.seed = td_rig_seed(run, strtoull(values->seed, NULL, 10)); /* the number was checked before */
     baseline->seed = values->exposure.seed = values->imu.seed = values->sensor.seed;
     baseline->sensor = values->sensor;
     baseline->log_eps = values->image.log_eps;
     memcpy(frames->luminance, values->image.luminance, sizeof frames->luminance);
     if (baseline->method == TIDES_METHOD_LDATI) {
         frames->planes = 2 * TIDES_LDATI_PLANES;
-        /* Grid k begins at k / fps unless frames.* has times. */
+        /* Voxel grid k begins at k / fps, unless frames.* has times. */
         if (!(frames->frames_per_second > 0) && !frames->timestamps) frames->frames_per_second = baseline->ldati.fps;
     }
 }

@@ -1,4 +1,4 @@
-/* From values back to text: the table's defaults, the run with every default filled in, and the template for new users. */
+/* Converts values to text: the table's defaults, a run with all defaults filled in, and the template for new users. */
 #include "td_run.h"
 
 #include <stdlib.h>
@@ -24,7 +24,7 @@ cJSON **td_run_defaults(tides_error *error) {
     return values;
 }
 
-/* The object that `key` lies in, made where it isn't there yet; `last` receives the key's last name. NULL: out of memory. */
+/* The object that holds `key`, which is made if it doesn't exist; `last` is the key's last name. NULL: out of memory. */
 static cJSON *group_of(cJSON *root, const char *key, const char **last) {
     const char *dot;
     while (root && (dot = strchr(key, '.')) != NULL) {
@@ -54,7 +54,8 @@ tides_status td_run_print(cJSON *const *values, char **text, tides_error *error)
         root = NULL;
     }
     char *made = root ? cJSON_Print(root) : NULL;
-    printed = made ? td_strdup(made, error) : NULL; /* ours: tides_free is free(), cJSON's allocator may not be malloc */
+    /* a copy, since the caller uses free(), and cJSON's allocator may not be malloc */
+    printed = made ? td_strdup(made, error) : NULL;
     if (printed)
         *text = printed;
     else
@@ -64,7 +65,7 @@ tides_status td_run_print(cJSON *const *values, char **text, tides_error *error)
     return status;
 }
 
-/* Puts a text, or null, at a row. */
+/* Sets a row to a text, or to null. */
 static tides_status put_text(cJSON **values, const char *key, const char *text, tides_error *error) {
     cJSON **place = &values[td_param_find(key) - tides_params(NULL)];
     cJSON *value = text ? cJSON_CreateString(text) : cJSON_CreateNull();

@@ -1,4 +1,4 @@
-/* Whether cameras and scene are in one frame: how much of the scene poses of a path see, by its Gaussians' centres. */
+/* Checks that cameras and scene are in one frame, by the part of the Gaussians' centres that the path's poses see. */
 #include "td_run.h"
 
 #include "camera/td_rotation.h"
@@ -9,10 +9,10 @@
 #include <stdlib.h>
 
 enum { CENTRES = 4096, POSES = 32 };
-static const double next_to_nothing = 0.01; /* of the centres, from the pose that sees most */
-static const double far_outside = 10;       /* radii of the nearest 90 % of them, from their middle */
+static const double next_to_nothing = 0.01; /* share of the centres in the best pose */
+static const double far_outside = 10;       /* radii that hold 90 % of the centres, from their middle */
 
-/* Centres of objects at rest, x y z each. */
+/* Takes the centres (x y z) of Gaussians in objects at rest. */
 static size_t take_centres(const tides_scene *scene, double *centres) {
     const int64_t step = tides_scene_count(scene) / CENTRES + 1;
     size_t count = 0;
@@ -37,7 +37,7 @@ static double seen_from(const double *centres, size_t count, const tides_pose *p
     return (double)seen / (double)count;
 }
 
-/* The middle of the centres, and how far 90 % of them are from it at most. */
+/* Finds the middle of the centres, and the radius around it that holds 90 % of them. */
 static double find_radius(const double *centres, size_t count, double middle[3], double *room) {
     for (int axis = 0; axis < 3; axis++) {
         for (size_t i = 0; i < count; i++) room[i] = centres[3 * i + axis];

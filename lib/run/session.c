@@ -1,5 +1,5 @@
-/* A run with all the files open that it names, and the objects made of them: simulator, renderer. For users of the library, the
- * tool and Python alike. session_run.c runs it; run.c reads a run file, and run_open.c opens its files. */
+/* Sessions: a run with all its files open, and the simulator and renderer made from them. The library's users, the tool and
+ * Python all use it. */
 #include "run/td_session.h"
 
 #include "run/td_run.h"
@@ -33,11 +33,11 @@ tides_status td_session_apart(const tides_session *session, const char *const *o
 
 /* -- opening  */
 
-/* A run of frames begins and ends with them, unless its file says when. */
+/* Sets begin and end of a run on frames to the frames' own, unless the run gives them. */
 static tides_status take_span(tides_session_facts *facts, const tides_frames *frames, tides_error *error) {
     if (!frames) return TIDES_OK;
     tides_run_values *v = &facts->values;
-    const double lasts = tides_frames_planes(frames) > 1 ? 1 / v->baseline.ldati.fps : 0; /* of a voxel grid */
+    const double lasts = tides_frames_planes(frames) > 1 ? 1 / v->baseline.ldati.fps : 0; /* length of a voxel grid */
     const double first = tides_frames_time(frames, 0), last = tides_frames_time(frames, tides_frames_count(frames) - 1) + lasts;
     const int32_t ends = tides_run_gives(facts->run, "time.stop");
     if (!ends) v->stop = last;
@@ -58,7 +58,7 @@ static tides_status open_frames(tides_session *s, tides_error *error) {
     return status == TIDES_OK ? td_run_frames_light(&facts->values, s->frames, &s->opening.notes, error) : status;
 }
 
-/* `spec` wins over the run file, which wins over TIDES_DEVICE; "auto" is what a run file says to leave it open. */
+/* Opens the device. `spec` overrides the run file, which overrides TIDES_DEVICE; "auto" in the run file leaves it open. */
 static tides_status open_device(tides_session *s, const char *spec, tides_device *device, tides_error *error) {
     const char *own = s->facts.values.device;
     tides_status status = TIDES_OK;
@@ -70,7 +70,7 @@ static tides_status open_device(tides_session *s, const char *spec, tides_device
     return status;
 }
 
-/* Everything that facts.run names; a session that fails is closed. */
+/* Opens everything that facts.run names. On failure the session is closed. */
 static tides_status fill(tides_session *s, const char *spec, tides_device *device, tides_session **session,
                          tides_error *error) {
     tides_session_facts *facts = &s->facts;
@@ -116,7 +116,7 @@ tides_status tides_session_open(const tides_run *run, tides_device *device, tide
 
 /* -- variations  */
 
-/* Keys on which the opened files depend, each "group." or a whole key. Frames are also read by the keys of opened_frames. */
+/* Keys that affect the opened files: "group." or a whole key. Frames also depend on the keys of opened_frames. */
 static const char *const opened[] = {"scene.file",    "scene.objects", "scene.duration_s", "camera.", "scene.part",
                                      "scene.invalid", "rig.cameras",   "frames.",          "device",  NULL};
 static const char *const opened_frames[] = {"image.luminance", "ldati.fps", NULL};
@@ -129,14 +129,14 @@ static int32_t is_among(const char *const *names, const char *key) {
     return 0;
 }
 
-/* Keys in which cameras of a rig may differ, where another one of them is chosen. */
+/* Keys that may differ if another camera of the rig is chosen. */
 static const char *const lens[] = {"camera.width", "camera.height", "camera.fx", "camera.fy", "camera.cx",
                                    "camera.cy",    "camera.lens",   "camera.k1", "camera.k2", "camera.k3",
                                    "camera.k4",    "camera.p1",     "camera.p2", NULL};
 
 static int32_t same_value(const cJSON *one, const cJSON *two) { return one && two ? cJSON_Compare(one, two, 1) : one == two; }
 
-/* 1 where `run` is of another camera of the rig than the base's. */
+/* 1 if `run` is of another camera of the rig than the base's. */
 static int32_t is_other_camera(const tides_session *base, const tides_run *run) {
     return !base->frames && !same_value(td_run_value(base->facts.run, "rig.camera"), td_run_value(run, "rig.camera"));
 }
@@ -173,7 +173,7 @@ tides_status tides_session_vary(const tides_session *base, const char *const *ov
         made->facts = base->facts;
         made->camera = base->camera;
         made->opening = base->opening;
-        made->opening.notes = NULL; /* were reported with the base's */
+        made->opening.notes = NULL; /* the base has reported them */
     }
     if (status == TIDES_OK && is_other_camera(base, made->run)) {
         status = td_run_open_camera(made->run, base->scene, &made->camera, &made->facts.intrinsics, &made->opening, error);
@@ -198,7 +198,7 @@ tides_status tides_session_vary(const tides_session *base, const char *const *ov
     return TIDES_OK;
 }
 
-/* -- what is made of it  */
+/* -- simulator and renderer  */
 
 tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user, tides_simulator **simulator,
                                      tides_error *error) {

@@ -1,4 +1,4 @@
-/* Frames of a run, exposed as its exposure.* keys say, as numbered pictures with their times. */
+/* Renders frames of a run, exposed as its exposure.* keys say, and writes them as numbered pictures with their times. */
 #include "run/td_run.h"
 #include "run/td_session.h"
 #include "td_base.h"
@@ -14,7 +14,7 @@ typedef struct frame_job {
     const tides_session_facts *facts;
     const char *folder;
     tides_renderer *renderer;
-    td_share share; /* of the frame in hand, which the renderer tells */
+    td_share share; /* progress of the current frame */
     double *light;
     uint16_t *values;
     tides_session_taken taken;
@@ -43,7 +43,7 @@ static tides_status make_frame(frame_job *job, size_t index, double time, tides_
 
 /* -- times ----------------------------------------------------------------------------------------------------------- */
 
-/* A text of `count` lines, each of one time or of two. */
+/* Writes `count` lines of times: one, or two (begin and end) per line. */
 static tides_status write_times(const frame_job *job, const char *name, size_t count, int spans, tides_error *error) {
     const tides_run_values *v = &job->facts->values;
     const int32_t height = job->facts->intrinsics.height;
@@ -66,8 +66,7 @@ static tides_status write_times(const frame_job *job, const char *name, size_t c
 
 /* -- the run --------------------------------------------------------------------------------------------------------- */
 
-/* Removes files that an earlier run of more frames has left: its times before anything is written, its further frames at the
- * end. */
+/* Removes files of an earlier run with more frames: its times at first, its surplus frames at the end. */
 static tides_status remove_older(const frame_job *job, size_t from, tides_error *error) {
     static const char *const times[] = {"timestamps.txt", "exposure_timestamps.txt"};
     int removed = 1;
@@ -109,7 +108,7 @@ static tides_status prepare(tides_session *session, frame_job *job, tides_progre
     return status == TIDES_OK && !(job->light && job->values) ? TIDES_NO_MEMORY : status;
 }
 
-/* Times of other frames, which a path may be read with, aren't replaced. */
+/* Fails if times of other frames, which the path may be read with, would be replaced. */
 static tides_status check_apart(const tides_session *session, const char *path, tides_error *error) {
     static const char *const names[] = {"timestamps.txt", "exposure_timestamps.txt"};
     tides_status status = td_session_apart(session, &path, 1, error);

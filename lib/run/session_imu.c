@@ -1,4 +1,4 @@
-/* Inertial measurements of a run's camera as files, with the biases that are in them. */
+/* Writes inertial measurements of a run's camera to files, with the biases that they contain. */
 #include "archive/td_npy.h"
 #include "camera/td_rotation.h"
 #include "run/td_imu_file.h"
@@ -20,7 +20,7 @@ typedef struct recording {
     size_t count;
 } recording;
 
-/* Sample k's time in whole nanoseconds: from the start's, so that it is a multiple of the period at any epoch. */
+/* Time of sample k in whole nanoseconds, as an offset from the start: so it is a multiple of the period at any epoch. */
 static int64_t nanoseconds(const recording *r, size_t k) {
     const double start = r->facts->values.start, whole = floor(start);
     return (int64_t)whole * 1000000000 + llround((start - whole) * 1e9 + (double)k * 1e9 / r->facts->values.imu.rate_hz);
@@ -28,10 +28,10 @@ static int64_t nanoseconds(const recording *r, size_t k) {
 
 static int64_t seconds_of(int64_t ns) { return ns / 1000000000 - (ns % 1000000000 < 0); }
 
-/* "12.345000000", exactly. */
+/* Writes seconds with nine decimals, exactly. */
 static void put_seconds(td_text *text, int64_t ns) {
     const int64_t s = seconds_of(ns), rest = ns - s * 1000000000;
-    if (s < 0 && rest > 0) /* -0.25 is a second below 0, and 0.75 */
+    if (s < 0 && rest > 0) /* -0.25 s is stored as -1 s and 0.75 s */
         td_text_put(text, NULL, "-%lld.%09lld", (long long)-(s + 1), (long long)(1000000000 - rest));
     else
         td_text_put(text, NULL, "%lld.%09lld", (long long)s, (long long)rest);
@@ -41,7 +41,7 @@ static void put_three(td_text *text, const double v[3], char separator) {
     for (int k = 0; k < 3; k++) td_text_put(text, NULL, "%c%.12g", separator, v[k]);
 }
 
-/* EuRoC's columns: nanoseconds, then the gyroscope, then the accelerometer. */
+/* EuRoC's columns: nanoseconds, gyroscope, accelerometer. */
 static void put_csv(const recording *r, td_text *text, int biases) {
     td_text_put(text, NULL,
                 biases ? "#timestamp [ns],b_w_x [rad s^-1],b_w_y [rad s^-1],b_w_z [rad s^-1],b_a_x [m s^-2],b_a_y [m s^-2],"
@@ -57,7 +57,7 @@ static void put_csv(const recording *r, td_text *text, int biases) {
     }
 }
 
-/* ECD's imu.txt: seconds, the accelerometer, then the gyroscope. */
+/* ECD's imu.txt: seconds, accelerometer, gyroscope. */
 static void put_txt(const recording *r, td_text *text, int biases) {
     for (size_t i = 0; i < r->count; i++) {
         const tides_imu_sample *s = &r->samples[i];
@@ -77,7 +77,7 @@ static tides_status write_text(const recording *r, const char *path, void (*put)
     return td_text_close(&text, TIDES_OK, error);
 }
 
-/* The measurements, and their biases in NAME_bias.txt beside NAME.txt. */
+/* Writes the measurements to NAME.txt, and their biases to NAME_bias.txt. */
 static tides_status write_pair(const recording *r, const char *path, void (*put)(const recording *, td_text *, int),
                                tides_error *error) {
     enum { ENDING = 4 }; /* ".csv", ".txt" */
@@ -92,7 +92,7 @@ static tides_status write_pair(const recording *r, const char *path, void (*put)
     return status;
 }
 
-/* An array (count x 3) of what stands at `offset` in a sample. */
+/* Writes an array (count x 3) of the values at `offset` in each sample. */
 static tides_status put_array(const recording *r, td_npy_writer *npz, const char *name, size_t offset, size_t width,
                               tides_error *error) {
     tides_status status =
@@ -126,7 +126,7 @@ static tides_status write_any(const recording *r, const char *path, tides_error 
     return write_pair(r, path, td_ends_in(path, ".csv") ? put_csv : put_txt, error);
 }
 
-/* The IMU's path where a calibration has it; NULL: it's the camera's. */
+/* The IMU's path if a calibration has its pose; NULL: it is the camera's. */
 static tides_status find_imu(const tides_session *session, tides_trajectory **moved, tides_error *error) {
     const double *t = session->opening.T_C_I, rotation[9] = {t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10]};
     const double position[3] = {t[3], t[7], t[11]};

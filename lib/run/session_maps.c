@@ -1,4 +1,4 @@
-/* The values that a run's sensor has drawn, pixel by pixel, as a file for sensor.maps of another run. */
+/* Writes the values that a run's sensor drew for each pixel, as a file for sensor.maps of another run. */
 #include "sensor/td_maps.h"
 #include "sensor/td_sensor.h"
 #include "td_session.h"
@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Takes the values of pixel i. The sensor has no blocks, so that i is also the pixel's place in the maps. */
+/* Takes the values of pixel i. This sensor's pixels are in the image's order, so i is also the index in the maps. */
 static void take_pixel(const td_sensor *sensor, size_t i, double value[TD_MAPS]) {
     const double on = td_sensor_threshold_on(sensor, i), off = td_sensor_threshold_off(sensor, i);
     const td_shot_noise *noise = &sensor->noise;

@@ -1,5 +1,5 @@
-/* A session run whole: the simulator, or a baseline on frames, into a sink or an event file. Everything is made for the one run
- * and gone after it; runs in steps are the caller's, with tides_session_simulator. */
+/* Runs a whole session: the simulator, or a baseline on frames, into a sink or an event file. All objects are made for this
+ * run and freed after it. */
 #include "run/td_recording.h"
 #include "run/td_session.h"
 #include "signal/td_step.h"
@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* Before anything is made: what a method that sees frames would go without. */
+/* Fails early if the chosen method lacks what it needs, such as frames. */
 static tides_status check_frames(const tides_session_facts *f, tides_error *error) {
     if (f->frames && f->values.image.colour_filter != TIDES_FILTER_OFF)
         return td_fail(error, TIDES_UNSUPPORTED,
@@ -26,7 +26,7 @@ static tides_status check_frames(const tides_session_facts *f, tides_error *erro
     return TIDES_OK;
 }
 
-/* Where events and progress go. */
+/* Targets of events and progress. */
 typedef struct targets {
     tides_event_sink sink;
     void *sink_user;
@@ -92,7 +92,7 @@ static tides_status write_baseline(tides_session *session, td_record *record, ti
     return status == TIDES_OK ? td_record_judge(record, run_baseline(session, &to, stats, error), error) : status;
 }
 
-/* Before anything is made: whether events can have their truth where they go. */
+/* Fails early if the event file can't hold ground truth of the events. */
 static tides_status check_truth(const tides_session_facts *f, const char *path, const tides_recording *how,
                                 tides_error *error) {
     if (!f->values.event_truth) return TIDES_OK;
@@ -106,8 +106,8 @@ static tides_status check_truth(const tides_session_facts *f, const char *path, 
                    "%s: only HDF5 has columns for ground truth: write .h5, or set sensor.truth to false", path);
 }
 
-/* Whether the file can be written is asked first, for that may fail at once, and a simulator takes seconds; it is made last, so
- * that a run which is refused leaves no .part, nor takes what an interrupted one has left there. */
+/* Runs the simulator into a file. First it checks that the file can be written, since making the simulator takes seconds. The
+ * file itself is made last: a refused run then neither leaves a .part nor destroys an interrupted run's. */
 static tides_status write_simulator(tides_session *session, td_record *record, tides_stats *stats, tides_error *error) {
     const int32_t resume = record->how.resume;
     tides_status status = resume ? TIDES_OK : tides_file_check(record->path, 1, error);

@@ -1,4 +1,4 @@
-/* Tracks of a run: points chosen where something is seen, at several times, and where each of them is at all times. */
+/* Tracks of a run: points chosen on visible surfaces at several times, and their places at all times. */
 #include "archive/td_pickler.h"
 #include "run/td_run.h"
 #include "run/td_session.h"
@@ -12,15 +12,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double slack = 1e-9; /* [s] that a time may lie beyond the stop, by rounding */
+static const double slack = 1e-9; /* [s] by which rounding may put a time beyond the stop */
 
 typedef struct track_job {
     const tides_session_facts *facts;
     tides_renderer *renderer;
-    td_share share; /* of the time in hand, which the renderer tells */
+    td_share share; /* progress of the current time */
     size_t points, times;
     tides_material_point *point; /* (points) */
-    double *query;               /* (points x 3): when and where it was chosen [s, px, px] */
+    double *query;               /* (points x 3): time and place at which it was chosen [s, px, px] */
     tides_track *track;          /* (times x points) */
 } track_job;
 
@@ -59,7 +59,7 @@ static tides_status follow(track_job *job, tides_progress progress, void *user, 
     tides_status status = TIDES_OK;
     for (size_t k = 0; k < job->times && status == TIDES_OK; k++) {
         job->share = (td_share){progress, user, (double)k / (double)job->times, 1 / (double)job->times, "tracks"};
-        if (td_share_step(&job->share, 0, NULL)) status = TIDES_CANCELLED; /* it may all be on the host */
+        if (td_share_step(&job->share, 0, NULL)) status = TIDES_CANCELLED; /* checked here, since all work may be on the host */
         if (status == TIDES_OK)
             status = tides_renderer_follow(job->renderer, job->facts->camera, time_of(job, k), job->point, job->points,
                                            job->track + k * job->points, error);
@@ -85,10 +85,10 @@ static tides_status write_csv(const track_job *job, const char *path, tides_erro
     return td_text_close(&text, TIDES_OK, error);
 }
 
-/* An array of one value, or two, of each of `count` records, `bytes` in all; `shape` has what follows the first extent. */
+/* An array of one or two values of each record; the whole record has `bytes`. `inner`: extents behind the first. */
 typedef struct column {
     const char *name, *dtype;
-    size_t offset, bytes, item; /* within the record; of what is taken of it; of a number */
+    size_t offset, bytes, item; /* place in the record; bytes taken of it; bytes of a number */
     int ndim;
     size_t inner[2];
 } column;
@@ -99,7 +99,7 @@ static tides_status put_column(td_npy_writer *npz, const column *c, const void *
     char *values = td_alloc(count, c->bytes, error);
     if (!values) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < count; i++) memcpy(values + i * c->bytes, (const char *)records + i * size + c->offset, c->bytes);
-    const tides_status status = /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): no tracks without a point (`choose`) */
+    const tides_status status = /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): there is at least one point */
         td_npy_writer_put(npz, &(td_npy_form){c->name, c->dtype, c->item, c->ndim, c->inner}, values, count / row, error);
     free(values);
     return status;
@@ -131,8 +131,8 @@ static tides_status write_npz(const track_job *job, const char *path, tides_erro
     return td_npy_writer_end(npz, status, error);
 }
 
-/* Kubric's and TAP-Vid's order: by track, then by time. A track that is nowhere is where it was last, or first: they know no
- * NaN, and occluded says that it isn't seen. */
+/* Fills a point's track in the order of Kubric and TAP-Vid: by track, then by time. While a point is nowhere, it stays at its
+ * last (or first) place and is marked as occluded, since these formats have no NaN. */
 static void fill_annotations(const track_job *job, size_t point, float *places, uint8_t *occluded) {
     size_t known = 0;
     while (known + 1 < job->times && isnan(job->track[known * job->points + point].u)) known++;

@@ -1,4 +1,4 @@
-/* Ground truth of a recording's events, from the session that it was made by. */
+/* Ground truth for the events of a recording, computed by the session that made it. */
 #include "events/td_event_truth.h"
 #include "run/td_session.h"
 #include "td_base.h"
@@ -10,7 +10,7 @@
 typedef struct truth_job {
     tides_renderer *renderer;
     const tides_trajectory *camera;
-    double start, stop; /* [s] of the run: progress */
+    double start, stop; /* [s] of the run, for progress */
     tides_progress progress;
     void *user;
 } truth_job;
@@ -18,7 +18,7 @@ typedef struct truth_job {
 static tides_status take(void *user, const tides_event *events, const int64_t *fired, size_t count, tides_event_truth *truth,
                          tides_error *error) {
     const truth_job *job = user;
-    enum { STEP = 4096 }; /* events between two looks at the clock of who waits */
+    enum { STEP = 4096 }; /* events between reports of progress */
     for (size_t from = 0; from < count; from += STEP) {
         const size_t some = count - from < STEP ? count - from : STEP;
         const double done = (1e-9 * (double)events[from].t - job->start) / (job->stop - job->start);

@@ -1,5 +1,5 @@
-/* The reason why a run fired nothing, from a few pictures of its image, rendered once the run is over: a run without events
- * ends early, so that their time does no harm. For the tool and for Python, which print it. */
+/* Finds why a run fired no events, from a few pictures rendered after it. Only a run without events pays for these. The tool
+ * and Python print the reason. */
 #include "run/td_session.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -8,20 +8,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pictures that are looked at, from the run's start to its stop: more than a sweep there and back hides. */
+/* Pictures from the run's start to its stop. With few, a motion there and back could be missed. */
 enum { PICTURES = 17 };
 
-/* Changes of L below this are rounding of single precision, of things that don't move [log units]. */
+/* A smaller change of L is rounding in single precision, of objects at rest [log units]. */
 static const double at_rest = 1e-5;
 
 /* Findings from the pictures. */
 typedef struct shown {
     int pictures;
-    double change;   /* largest difference of a pixel's L between two of them */
-    double coverage; /* largest */
+    double change;   /* largest change of a pixel's L between two pictures */
+    double coverage; /* largest coverage */
 } shown;
 
-/* Planes (pixels) of numbers each. */
+/* Planes of (pixels) numbers. */
 typedef struct planes {
     double *least, *most, *L, *coverage;
 } planes;
@@ -53,7 +53,7 @@ static tides_status look_at_scene(tides_session *session, planes *p, size_t pixe
     return status;
 }
 
-/* Not of a pipe, which is over. */
+/* Looks at frames; not of a pipe, which has been read already. */
 static tides_status look_at_frames(const tides_session_facts *f, planes *p, size_t pixels, shown *seen, tides_error *error) {
     const size_t count = tides_frames_count(f->frames), step = count / PICTURES + 1;
     tides_status status = TIDES_OK;
@@ -79,9 +79,10 @@ static tides_status look(tides_session *session, shown *seen, tides_error *error
     return status;
 }
 
-/* -- words ----------------------------------------------------------------------------------------------------------------- */
+/* -- the text
+ * ----------------------------------------------------------------------------------------------------------------- */
 
-/* Reason why no pixel of TIDES's own method has an event to give. */
+/* The reason why no pixel can fire, for the method tides. */
 static int say_pixels(const tides_run_values *v, const shown *seen, char text[TIDES_SILENCE]) {
     const int own = strcmp(v->method, "tides") == 0;
     if (own && v->sensor.dead_pixel_fraction >= 1)

@@ -1,5 +1,5 @@
-/* Which points are followed: at random over all that is seen, on a grid over the first image, or as many of each object that is
- * seen (tracks.choice). */
+/* Chooses points to follow: at random on all that is seen, on a grid over the first image, or equally many per object
+ * (tracks.choice). */
 #include "run/td_track_choice.h"
 
 #include "td_base.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHOICES = 8 }; /* what comes into view later has some, too */
+enum { CHOICES = 8 }; /* so that objects which come into view later get points, too */
 
 uint32_t td_tracks_choices(const tides_session_facts *facts) {
     return facts->values.track_choice == TIDES_TRACKS_GRID ? 1 : CHOICES;
@@ -17,7 +17,7 @@ uint32_t td_tracks_choices(const tides_session_facts *facts) {
 
 /* -- a grid ---------------------------------------------------------------------------------------------------------------- */
 
-/* Adds the points at `places` that are there, in their order, up to `count`. */
+/* Adds points at those of `places` that show a splat, in order, up to `count`. */
 static tides_status pick(tides_renderer *renderer, const tides_session_facts *facts, double time, const double *places,
                          size_t tried, size_t count, td_track_choice *choice, tides_error *error) {
     tides_material_point *seen = td_alloc(tried + 1, sizeof *seen, error);
@@ -34,7 +34,7 @@ static tides_status pick(tides_renderer *renderer, const tides_session_facts *fa
     return status;
 }
 
-/* The middles of cells that are as square as so many of them can be. */
+/* Tries the centres of `most` cells, which are as square as possible. */
 static tides_status choose_grid(tides_renderer *renderer, const tides_session_facts *facts, double time,
                                 td_track_choice *choice, tides_error *error) {
     const size_t count = choice->most;
@@ -54,9 +54,10 @@ static tides_status choose_grid(tides_renderer *renderer, const tides_session_fa
     return status;
 }
 
-/* -- as many of each object ------------------------------------------------------------------------------------------------ */
+/* -- equally many per object
+ * ------------------------------------------------------------------------------------------------ */
 
-/* Pixels by the object that they show: those of object k are order[first[k] .. first[k + 1]). */
+/* Pixels sorted by the object that they show: those of object k are order[first[k] .. first[k + 1]). */
 typedef struct pixels_of {
     double *instance; /* (pixels) */
     size_t *order;    /* (pixels) */
@@ -82,7 +83,7 @@ static tides_status sort_pixels(tides_renderer *renderer, const tides_session_fa
     truth.plane[TIDES_TRUTH_INSTANCE] = p->instance;
     const tides_status status = tides_renderer_truth(renderer, facts->camera, time, &truth, error);
     if (status != TIDES_OK) return status;
-    size_t *next = p->first + 1; /* counted two further on, so that where objects begin is where they are put */
+    size_t *next = p->first + 1; /* counts are stored two places further, so that they become the first indices */
     for (size_t i = 0; i < pixels; i++)
         if (p->instance[i] >= 0 && p->instance[i] + 1 < p->objects) next[(size_t)p->instance[i] + 1]++;
     for (int32_t k = 1; k < p->objects; k++) next[k] += next[k - 1];
@@ -92,7 +93,7 @@ static tides_status sort_pixels(tides_renderer *renderer, const tides_session_fa
     return TIDES_OK;
 }
 
-/* Places in pixels of one object, drawn by (seed, number, draw). */
+/* Draws places in pixels of one object, by (seed, number, draw). */
 static void draw_places(const pixels_of *p, int32_t object, const tides_session_facts *facts, uint32_t number, size_t count,
                         double *places) {
     const size_t begin = p->first[object], own = p->first[object + 1] - begin, width = (size_t)facts->intrinsics.width;
@@ -108,7 +109,8 @@ static void draw_places(const pixels_of *p, int32_t object, const tides_session_
     }
 }
 
-/* A pixel's heaviest object needn't be that of its median splat, which is followed: more places are drawn than points. */
+/* Chooses points per object. The object with the largest weight in a pixel may differ from that of the median splat, which is
+ * followed. So more places are drawn than points are needed. */
 static tides_status choose_instances(tides_renderer *renderer, const tides_session_facts *facts, double time, uint32_t number,
                                      td_track_choice *choice, tides_error *error) {
     enum { DRAWN = 4 };

@@ -1,5 +1,5 @@
-/* The box of a scene's means at a time, with everything where it is then: for users who place a camera (tides_scene_bounds).
- * Extents of splats aren't in it. */
+/* The box of a scene's means at a time, with moving objects and Gaussians where they are then. It helps users to place a
+ * camera, and leaves out the extents of splats. */
 #include "motion/td_motion.h"
 #include "td_scene.h"
 
@@ -54,14 +54,14 @@ tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double
         tides_status status = grow_object(&b, &scene->objects[i], time, error);
         if (status != TIDES_OK) return td_fail_within(error, status, "object %zu ('%.80s')", i, scene->objects[i].name);
     }
-    for (int k = 0; k < 3; k++) { /* an empty scene has the box [0, 0] */
+    for (int k = 0; k < 3; k++) { /* the box of an empty scene is [0, 0] */
         lower[k] = scene->count ? b.lower[k] : 0;
         upper[k] = scene->count ? b.upper[k] : 0;
     }
     return TIDES_OK;
 }
 
-/* The narrowest of the objects' own ranges. */
+/* The intersection of the objects' ranges of time. */
 void tides_scene_range(const tides_scene *scene, double *start, double *stop) {
     *start = -INFINITY;
     *stop = INFINITY;

@@ -1,4 +1,4 @@
-/* The tags of an object's Gaussians: how they were trained, and how their composited colours code light. */
+/* Facts about an object's Gaussians: how they were trained, and how their composited colours code light. */
 #include "td_base.h"
 #include "td_scene.h"
 #include "td_text.h"
@@ -11,7 +11,7 @@ int32_t td_trained_join(int32_t a, int32_t b) {
     return b == TIDES_TRAINED_UNKNOWN ? a : TIDES_TRAINED_MIXED;
 }
 
-/* The exponents that are taken: f must be convex (kernels/compositing.h). */
+/* Allowed exponents of gamma. The kernels need a convex decoding curve, so the least is 1. */
 static const double least_gamma = 1, most_gamma = 5;
 
 tides_status td_transfer_check(const char *what, int32_t transfer, double gamma, tides_error *error) {
@@ -23,7 +23,7 @@ tides_status td_transfer_check(const char *what, int32_t transfer, double gamma,
     return TIDES_OK;
 }
 
-/* The fewest digits that say the exponent. */
+/* Writes the transfer as text; the exponent has as few digits as give it exactly. */
 void td_transfer_say(int32_t transfer, double gamma, char text[TD_TRANSFER_TEXT]) {
     if (transfer == TIDES_TRANSFER_GAMMA)
         snprintf(text, TD_TRANSFER_TEXT, "gamma %s", TD_SHORT(gamma));

@@ -1,5 +1,4 @@
-/* Arrays of Gaussians for the scene's readers and its store: made, copied, freed, and checked before anything is rendered
- * from them. */
+/* Arrays of Gaussians: makes, copies, frees and checks them. All values are checked here, before anything is rendered. */
 #include "td_base.h"
 #include "td_math.h"
 #include "td_scene.h"
@@ -31,7 +30,8 @@ tides_status td_gaussians_create(td_gaussians *gaussians, int64_t count, int32_t
     return TIDES_OK;
 }
 
-/* A double beyond float's range would be undefined as a cast; td_gaussians_check refuses it. */
+/* Converts means to float. A double beyond float's range becomes infinite, which td_gaussians_check refuses; a cast would be
+ * undefined. */
 static tides_status copy_means(td_gaussians *gaussians, const double *mean, tides_error *error) {
     size_t count = 3 * (size_t)gaussians->count;
     tides_status status = td_gaussians_widen(gaussians, error);
@@ -98,13 +98,13 @@ tides_gaussians td_gaussians_view(const td_gaussians *gaussians) {
                              .origin = {gaussians->origin[0], gaussians->origin[1], gaussians->origin[2]}};
 }
 
-/* Status and error with which a check fails. */
+/* The status of a failed check, and where its text goes. */
 typedef struct complaint {
     tides_status blame;
     tides_error *error;
 } complaint;
 
-/* `width` values per Gaussian; `rows` > 0 names them name[i / rows][i % rows], as for sh. */
+/* Checks `width` values per Gaussian. With `rows` > 0 a message names a value name[i / rows][i % rows], as for sh. */
 static tides_status check_finite(const char *name, const float *values, int64_t count, size_t width, size_t rows, complaint c) {
     size_t total = (size_t)count * width;
     for (size_t i = 0; i < total; i++) {
@@ -137,8 +137,8 @@ static tides_status check_quaternions(const td_gaussians *gaussians, complaint c
     return TIDES_OK;
 }
 
-/* In place, means and scales are multiplied by the object's scale. Scales only need to be numbers then: what is too wide
- * depends on how near it is seen (kernels/projection.h). */
+/* Checks means and scales after multiplication by the object's scale. Scales only have to be finite numbers: the kernels
+ * decide by distance what is too wide. */
 static tides_status check_range(const td_gaussians *gaussians, double scale, complaint c) {
     const double most = td_ln((double)FLT_MAX) - td_ln(scale);
     for (int64_t i = 0; i < gaussians->count; i++)
@@ -167,7 +167,7 @@ static tides_status check_colours(const td_gaussians *gaussians, complaint c) {
     return TIDES_OK;
 }
 
-/* Where an object counts from may be given; its world coordinates must be where means may be. */
+/* The origin of the means may be any number, but in the world it must lie where means may lie. */
 static tides_status check_origin(const td_gaussians *gaussians, double scale, complaint c) {
     for (int axis = 0; axis < 3; axis++)
         if (!(fabs(gaussians->origin[axis] * scale) <= TD_VALUE_MOST))

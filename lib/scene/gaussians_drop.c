@@ -1,11 +1,11 @@
-/* Leaves Gaussians out that can't be rendered, for files of which a few rows are broken. Each is judged alone, by the rules
- * that judge them all. */
+/* Leaves out Gaussians that can't be rendered, for files with a few broken rows. Each is checked alone, by the same rules as
+ * whole sets. */
 #include "td_base.h"
 #include "td_scene.h"
 
 #include <string.h>
 
-/* A view of Gaussian i alone. */
+/* A view of Gaussian i only. */
 static td_gaussians one_of(const td_gaussians *g, size_t i) {
     td_gaussians one = *g;
     one.count = 1;
@@ -18,7 +18,7 @@ static td_gaussians one_of(const td_gaussians *g, size_t i) {
     return one;
 }
 
-static void move(const td_gaussians *g, size_t to, size_t from) {
+void td_gaussians_move(const td_gaussians *g, size_t to, size_t from) {
     const size_t width = 3 * td_sh_coefficients(g->sh_degree);
     memmove(g->mean + 3 * to, g->mean + 3 * from, 3 * sizeof *g->mean);
     memmove(g->log_scale + 3 * to, g->log_scale + 3 * from, 3 * sizeof *g->log_scale);
@@ -38,7 +38,7 @@ tides_status td_gaussians_drop(td_gaussians *gaussians, double scale, int64_t *d
     for (size_t i = 0; i < count; i++) {
         const td_gaussians one = one_of(gaussians, i);
         if (td_gaussians_check(&one, scale, TIDES_BAD_FILE, NULL) != TIDES_OK) continue;
-        if (kept != i) move(gaussians, kept, i);
+        if (kept != i) td_gaussians_move(gaussians, kept, i);
         kept++;
     }
     if (kept == 0) return td_fail(error, TIDES_BAD_FILE, "none of its %zu Gaussians can be rendered: %s", count, first.text);

@@ -1,5 +1,5 @@
-/* Gaussians moved by an affine map, and several sets made one: what formats need whose files hold a scene in pieces, each in
- * its place (glTF's nodes, streamed SOG's chunks). */
+/* Moves Gaussians by an affine map, and joins several sets. Some formats hold a scene in pieces, each with a map (glTF's
+ * nodes, streamed SOG's chunks). */
 #include "camera/td_rotation.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -14,9 +14,10 @@ static const double pi = 3.14159265358979323846;
 
 enum { BANDS = TIDES_SH_DEGREE_MAX + 1, MOST = BANDS * BANDS, NODES = 5, TURNS = 9 };
 
-/* Band l of the basis (INRIA's: real, with the Condon-Shortley phase) in direction d, of length 1: m from -l to l. */
+/* Band l of INRIA's basis (real, with the Condon-Shortley phase) in the unit direction d: m from -l to l. */
 static void band(const double d[3], int l, double *y) {
-    double cosine = 1, sine = 0, start = 1; /* of m times the azimuth, times sin(polar)^m; P_mm without it */
+    /* cosine and sine of m times the azimuth, times sin(polar)^m; P_mm without that factor */
+    double cosine = 1, sine = 0, start = 1;
     for (int m = 0; m <= l; m++) {
         double factor = (2 * l + 1) / (4 * pi), before = 0, p = start;
         for (int k = l - m + 1; k <= l + m; k++) factor /= k;
@@ -34,8 +35,8 @@ static void band(const double d[3], int l, double *y) {
     }
 }
 
-/* Matrix by which band l's coefficients turn with R (row-major): D[j][k] is the integral of Y_j(u) Y_k(R^T u) over the sphere,
- * by Gauss-Legendre along z and equal steps around it, which is exact for products of two bands up to 4. */
+/* Matrix that rotates band l's coefficients by R (row-major): D[j][k] is the integral of Y_j(u) Y_k(R^T u) over the sphere.
+ * The rule is Gauss-Legendre along z, and equal steps around z. It is exact for products of two bands up to 4. */
 static void band_rotation(const double r[9], int l, double *matrix) {
     static const double at[NODES] = {-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831, 0.9061798459386640};
     static const double weight[NODES] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
@@ -53,7 +54,7 @@ static void band_rotation(const double r[9], int l, double *matrix) {
         for (int j = 0; j < width; j++)
             for (int k = 0; k < width; k++) matrix[width * j + k] += weight[i / TURNS] * (2 * pi / TURNS) * here[j] * there[k];
     }
-    for (int i = 0; i < width * width; i++) { /* half turns about an axis change signs and nothing else: exactly so */
+    for (int i = 0; i < width * width; i++) { /* half turns about an axis only change signs: make that exact */
         const double whole = floor(matrix[i] + 0.5);
         if (fabs(matrix[i] - whole) < 1e-13) matrix[i] = whole;
     }
@@ -79,7 +80,7 @@ static void turn_harmonics(const td_gaussians *g, const double r[9]) {
 
 /* -- shapes -------------------------------------------------------------------------------------------------------------- */
 
-/* Turns columns a and b of `m` within their plane until they stand upright on each other. 0: they did. */
+/* Rotates columns a and b of `m` within their plane until they are orthogonal. Returns 0 if they already were. */
 static int straighten_pair(double m[9], int a, int b) {
     double aa = 0, bb = 0, ab = 0;
     for (int k = 0; k < 9; k += 3) {
@@ -101,7 +102,7 @@ static int straighten_pair(double m[9], int a, int b) {
 /* The ellipsoid m m^T, which a Gaussian's axes become under a map that scales one axis more than another, as axes that are
  * upright on each other again: Hestenes's one-sided Jacobi. */
 static void shape_of(double m[9], float *log_scale, float *quaternion) {
-    enum { SWEEPS = 30 }; /* 3x3: four to six are enough */
+    enum { SWEEPS = 30 }; /* for 3x3, four to six are enough */
     double r[9], q[4], length[3];
     for (int sweep = 0, turned = 1; sweep < SWEEPS && turned; sweep++)
         turned = straighten_pair(m, 0, 1) + straighten_pair(m, 0, 2) + straighten_pair(m, 1, 2);
@@ -111,7 +112,7 @@ static void shape_of(double m[9], float *log_scale, float *quaternion) {
         log_scale[c] = (float)td_ln(length[c]);
     }
     const double third[3] = {r[3] * r[7] - r[6] * r[4], r[6] * r[1] - r[0] * r[7], r[0] * r[4] - r[3] * r[1]};
-    for (int k = 0; k < 3; k++) r[3 * k + 2] = third[k]; /* an axis has no sign */
+    for (int k = 0; k < 3; k++) r[3 * k + 2] = third[k]; /* the sign of an axis is free */
     td_quaternion_from_rotation(r, q);
     for (int k = 0; k < 4; k++) quaternion[k] = (float)q[k];
 }
@@ -119,7 +120,7 @@ static void shape_of(double m[9], float *log_scale, float *quaternion) {
 static void stretch(const td_gaussians *g, int64_t i, const double linear[9]) {
     double q[4], r[9], m[9];
     for (int k = 0; k < 4; k++) q[k] = (double)g->quaternion[4 * i + k];
-    if (!td_normalise_quaternion(q)) return; /* refused where the scene takes it */
+    if (!td_normalise_quaternion(q)) return; /* an invalid quaternion is refused when the scene takes the Gaussians */
     td_rotation_from_quaternion(q, r);
     for (int row = 0; row < 3; row++)
         for (int c = 0; c < 3; c++) {
@@ -131,7 +132,7 @@ static void stretch(const td_gaussians *g, int64_t i, const double linear[9]) {
 
 static int is_identity(const double map[12]) {
     int same = 1;
-    for (int i = 0; i < 12; i++) same &= map[i] == (i % 5 == 0); /* not where one is NaN, which the scene refuses */
+    for (int i = 0; i < 12; i++) same &= map[i] == (i % 5 == 0); /* false for NaN, which the scene refuses */
     return same;
 }
 
@@ -144,7 +145,7 @@ tides_status td_gaussians_place(td_gaussians *g, const double map[12], tides_err
     }
     td_quaternion_from_rotation(turn, q);
     const int moved = map[3] < 0 || map[3] > 0 || map[7] < 0 || map[7] > 0 || map[11] < 0 || map[11] > 0;
-    tides_status status = moved ? td_gaussians_widen(g, error) : TIDES_OK; /* far away single precision has no room */
+    tides_status status = moved ? td_gaussians_widen(g, error) : TIDES_OK; /* far from 0, single precision is too coarse */
     if (status) return status;
     const double least = fmin(fmin(size[0], size[1]), size[2]), most = fmax(fmax(size[0], size[1]), size[2]);
     const int even = most <= least * (1 + 1e-6);
@@ -171,7 +172,7 @@ tides_status td_gaussians_place(td_gaussians *g, const double map[12], tides_err
 
 /* -- several sets -------------------------------------------------------------------------------------------------------- */
 
-/* Behind the `at` Gaussians that `to` has already. */
+/* Copies `from` behind the first `at` Gaussians of `to`. */
 static void append(const td_gaussians *to, size_t at, const td_gaussians *from) {
     const size_t n = (size_t)from->count, wide = 3 * td_sh_coefficients(to->sh_degree);
     const size_t narrow = 3 * td_sh_coefficients(from->sh_degree);
@@ -207,7 +208,7 @@ tides_status td_gaussians_join(td_gaussians *parts, size_t count, td_gaussians *
     for (size_t i = 0, at = 0; !status && count > 1 && i < count; i++) {
         append(&made, at, &parts[i]);
         at += (size_t)parts[i].count;
-        if (parts[i].notes && !made.notes) { /* what parts of one file say they all say */
+        if (parts[i].notes && !made.notes) { /* the parts come from one file, and have the same notes */
             made.notes = parts[i].notes;
             parts[i].notes = NULL;
         }

@@ -1,9 +1,9 @@
-/* glTF 2.0's container: JSON, alone (.gltf, with buffers in files beside it or in the text) or in a binary file (.glb) with a
- * buffer behind it. Little-endian:
+/* The container of glTF 2.0: a JSON file (.gltf) with buffers in other files or in the text, or a binary file (.glb) with
+ * JSON and a buffer. Little-endian:
  *
  *     uint32 "glTF", uint32 2, uint32 size of the file; then chunks: uint32 size, uint32 "JSON" or "BIN\0", bytes
  *
- * A buffer is cut into views, and accessors see numbers in them. Nothing is believed of what these say of sizes. */
+ * A buffer is cut into views, and accessors describe numbers in a view. All sizes are checked against the bytes that exist. */
 #include "td_gltf.h"
 #include "td_splat.h"
 
@@ -37,7 +37,7 @@ static tides_status find_chunks(td_gltf *g, const unsigned char *b, size_t size,
     return td_fail(g->error, TIDES_BAD_FILE, "%s: is a binary glTF whose first chunk is no JSON", g->path);
 }
 
-/* The array json.key by index, with how long it is. */
+/* The array json.key as a list with random access, and its length. */
 static tides_status index_list(const td_gltf *g, const char *key, const cJSON ***items, int64_t *count) {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(g->json, key), *item;
     *items = td_alloc(cJSON_IsArray(list) ? (size_t)cJSON_GetArraySize(list) : 0, sizeof **items, g->error);
@@ -48,7 +48,7 @@ static tides_status index_list(const td_gltf *g, const char *key, const cJSON **
     return TIDES_OK;
 }
 
-/* Refuses a file that requires an extension which isn't known here; materials, textures and lights don't matter to splats. */
+/* Refuses a file that requires an unknown extension. Extensions for materials, textures and lights don't concern splats. */
 static tides_status check_required(const td_gltf *g) {
     static const char *const fine[] = {TD_GLTF_SPLATS,          "KHR_spz_gaussian_splats_compression",
                                        "KHR_mesh_quantization", "KHR_materials_",
@@ -108,7 +108,7 @@ void td_gltf_close(td_gltf *g) {
 
 /* -- buffers ------------------------------------------------------------------------------------------------------------- */
 
-/* "%20" and its like in place. */
+/* Decodes "%20" and the like in place. */
 static void undo_percents(char *text) {
     static const char digits[] = "0123456789abcdef0123456789ABCDEF";
     char *to = text;
@@ -123,7 +123,7 @@ static void undo_percents(char *text) {
     *to = 0;
 }
 
-/* The name of a file in the glTF's folder, or below, which the caller frees. */
+/* The path of a file in the glTF's folder or below; the caller frees it. */
 static tides_status name_beside(const td_gltf *g, const char *uri, char **name) {
     if (!(*name = td_strdup(uri, g->error))) return TIDES_NO_MEMORY;
     undo_percents(*name);
@@ -155,9 +155,9 @@ static tides_status add_file(const td_gltf *g, const char *folder, const char *u
     return status;
 }
 
-/* Reads the JSON alone of a binary file. It comes first, and the rest may be gigabytes. */
+/* Reads only the JSON of a binary file. It comes first, and the rest may be gigabytes. */
 static tides_status read_json(const char *path, cJSON **json, tides_error *error) {
-    enum { FRONT = 20 /* of the file and of its first chunk */, JSON_MOST = 1 << 28 };
+    enum { FRONT = 20 /* bytes of the file's and the first chunk's heads */, JSON_MOST = 1 << 28 };
     unsigned char front[FRONT];
     char *data = NULL;
     size_t size = 0;
@@ -199,7 +199,7 @@ static int base64_digit(char c) {
     return at ? (int)(at - digits) : -1;
 }
 
-/* "data:application/octet-stream;base64,AAAA". */
+/* Decodes "data:application/octet-stream;base64,AAAA". */
 static tides_status read_data(const td_gltf *g, const char *uri, td_gltf_buffer *buffer) {
     const char *text = strstr(uri, ";base64,");
     if (!text) return td_fail(g->error, TIDES_UNSUPPORTED, "%s: has a buffer in its text that isn't base64", g->path);
@@ -247,7 +247,7 @@ static tides_status read_buffer(td_gltf *g, int64_t index) {
 
 /* -- views and accessors ------------------------------------------------------------------------------------------------- */
 
-/* object.key, 0 where it isn't given; -1 where it's no size. */
+/* object.key as a size: 0 if missing, -1 if invalid. */
 static int64_t size_of(const cJSON *object, const char *key) {
     return cJSON_GetObjectItemCaseSensitive(object, key) ? td_json_whole(object, key, 0, INT64_C(1) << 52) : 0;
 }
@@ -268,7 +268,7 @@ tides_status td_gltf_view(td_gltf *g, int64_t index, const unsigned char **bytes
     return TIDES_OK;
 }
 
-/* Type, width and unit; 0: this isn't read. */
+/* Sets type, width and unit; 0 if such numbers aren't supported. */
 static int describe(const cJSON *json, td_gltf_accessor *a) {
     static const struct {
         int size;

@@ -1,4 +1,4 @@
-/* Where a glTF's nodes put its meshes: each node's map times those of the nodes above it. */
+/* The maps that a glTF's nodes give to its meshes: a node's own map after those of all nodes above it. */
 #include "camera/td_rotation.h"
 #include "td_gltf.h"
 
@@ -21,14 +21,14 @@ static void chain(const double a[12], const double b[12], double out[12]) {
     memcpy(out, made, sizeof made);
 }
 
-/* "key": `count` numbers into `values`, which stay where it isn't given. */
+/* Reads "key" as `count` numbers into `values`, which stay unchanged if it is missing. */
 static tides_status take(const td_gltf *g, int64_t node, const char *key, double *values, int count) {
     if (!cJSON_GetObjectItemCaseSensitive(g->nodes[node], key) || td_json_numbers(g->nodes[node], key, values, count))
         return TIDES_OK;
     return td_fail(g->error, TIDES_BAD_FILE, "%s: node %lld: %s must be %d numbers", g->path, (long long)node, key, count);
 }
 
-/* A node's own map: a matrix, column by column, or translation, rotation (xyzw) and scale. */
+/* A node's own map: a matrix by columns, or translation, rotation (xyzw) and scale. */
 static tides_status own_map(const td_gltf *g, int64_t node, double map[12]) {
     double matrix[16] = {0}, shift[3] = {0}, turn[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1}, r[9];
     tides_status status = take(g, node, "translation", shift, 3);
@@ -47,7 +47,7 @@ static tides_status own_map(const td_gltf *g, int64_t node, double map[12]) {
     return TIDES_OK;
 }
 
-/* The node above each; -1: none. A node has one at most. */
+/* Finds the parent of each node; -1: none. A node has at most one. */
 static tides_status find_parents(const td_gltf *g, int64_t *parents) {
     for (int64_t i = 0; i < g->node_count; i++) parents[i] = -1;
     for (int64_t i = 0; i < g->node_count; i++) {
@@ -63,7 +63,7 @@ static tides_status find_parents(const td_gltf *g, int64_t *parents) {
     return TIDES_OK;
 }
 
-/* Sets those of `shown` that the scene begins with; without scenes all. */
+/* Marks the root nodes of the scene; without scenes, all nodes. */
 static void find_roots(const td_gltf *g, unsigned char *shown) {
     const cJSON *scenes = cJSON_GetObjectItemCaseSensitive(g->json, "scenes"), *root;
     const cJSON *scene = cJSON_GetArrayItem(scenes, (int)td_gltf_scene(g));
@@ -74,7 +74,7 @@ static void find_roots(const td_gltf *g, unsigned char *shown) {
     }
 }
 
-/* From the mesh of `place`'s node to the scene; `*top`: the node that its branch begins with. */
+/* Computes the map from the mesh of `place`'s node to the scene. `*top`: the root node of its branch. */
 static tides_status find_map(const td_gltf *g, const int64_t *parents, td_gltf_place *place, int64_t *top) {
     int64_t node = place->node;
     memcpy(place->map, still, sizeof still);
@@ -91,7 +91,7 @@ static tides_status find_map(const td_gltf *g, const int64_t *parents, td_gltf_p
     return TIDES_OK;
 }
 
-/* A rotation after factors along the axes is what splats can follow; rendering of others isn't defined. */
+/* Fails unless the map is a rotation after factors along the axes: for splats, others have no defined result. */
 static tides_status check_map(const td_gltf *g, const td_gltf_place *place) {
     const double *m = place->map;
     double c[3][3];
@@ -104,7 +104,7 @@ static tides_status check_map(const td_gltf *g, const td_gltf_place *place) {
     }
     double third[3];
     td_cross3(c[0], c[1], third);
-    const double close = 1e-3; /* to 1, of the determinant of its columns divided by their lengths */
+    const double close = 1e-3; /* tolerance of the determinant of the normalised columns, which is 1 for orthogonal ones */
     if (good && fabs(td_dot3(third, c[2]) - 1) < close) return TIDES_OK;
     return td_fail(g->error, TIDES_UNSUPPORTED,
                    "%s: node %lld mirrors, shears, flattens or repeats its splats: bake that into them", g->path,

@@ -1,4 +1,4 @@
-/* Parts of a glTF beside the one that is read: other scenes, of which one may be chosen, meshes without splats, animations. */
+/* Other contents of a glTF: more scenes, of which the user may choose one, meshes without splats, animations. */
 #include "td_base.h"
 #include "td_gltf.h"
 #include "td_scene.h"
@@ -13,7 +13,7 @@ int64_t td_gltf_scene(const td_gltf *g) {
     return number < 0 ? 0 : number;
 }
 
-/* "'room' (0), 1, 'garden' (2)": by name where they have one. */
+/* Lists scenes with names, if any, and numbers: "'room' (0), 1, 'garden' (2)". */
 static char *list_scenes(const td_gltf *g, tides_error *error) {
     char *text = td_strdup("", error);
     const cJSON *scene;

@@ -1,17 +1,17 @@
-/* Gaussian splats of a glTF, by Khronos's KHR_gaussian_splatting (ratified 2026), all that its scene shows as one set:
+/* Reads Gaussian splats of a glTF, by Khronos's KHR_gaussian_splatting (ratified 2026). All that its scene shows is one set:
  *
  *     POSITION, KHR_gaussian_splatting:ROTATION (xyzw), :SCALE, :OPACITY (0 to 1), :SH_DEGREE_l_COEF_n, n from m = -l to l
  *
- * one accessor each, of a primitive that has the extension; SH are INRIA's. SCALE is linear, which is never negative. In drafts
- * (splat-transform wrote it until June 2026) it was a logarithm, under the same name; splats are smaller than a unit somewhere,
- * so that a file in which some are negative, or whose integers have a sign, has logarithms. Early drafts, which Cesium's tiles
- * were made by, have _ROTATION and _SCALE, and colour and opacity in COLOR_0.
+ * Each is an accessor of a primitive with the extension; SH are INRIA's. SCALE is linear, so never negative. In drafts
+ * (splat-transform until June 2026) it was a logarithm, under the same name. Some splats are smaller than 1, so a file with
+ * negative values, or with signed integers, has logarithms. Early drafts, which Cesium's tiles use, have _ROTATION and
+ * _SCALE, and colour and opacity in COLOR_0.
  *
- * Compressed splats are a .spz in a bufferView, by drafts of three names; they say that it unpacks to glTF's axes.
+ * Compressed splats are a .spz in a bufferView, under three names in drafts; these define that it unpacks to glTF's axes.
  *
- * glTF's axes are left, up, front; a 3DGS .ply's are right, down, front: half a turn about z, by which other converters take a
- * .ply to glTF. colorSpace says whether colours code light as sRGB does or are linear in it. Order of depth is the renderer's
- * own affair (sortingMethod), and animations aren't read. */
+ * glTF's axes are left, up, front, and those of a 3DGS .ply right, down, front: a half turn about z, as other converters
+ * apply. colorSpace says whether colours code light as sRGB or linearly. sortingMethod is ignored: the order of depth is the
+ * renderer's decision. Animations aren't read. */
 #include "td_base.h"
 #include "td_gltf.h"
 #include "td_scene.h"
@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_PARTS = 1024 }; /* primitives times nodes that show them: a small file can't ask for much more than it holds */
+enum { MOST_PARTS = 1024 }; /* primitives times nodes that show them: a small file must not ask for unbounded memory */
 
 static const char extension_name[] = TD_GLTF_SPLATS, draft_name[] = "KHR_spz_gaussian_splats_compression";
 
@@ -41,7 +41,7 @@ static int has_splats(const cJSON *json, primitive *p) {
     if (!spz) spz = member(inner, TD_GLTF_SPLATS "_compression_spz");
     if (!spz) spz = draft;
     *p = (primitive){json, splats, spz ? td_json_whole(spz, "bufferView", 0, INT32_MAX) : -1};
-    if (spz && p->spz < 0) p->spz = INT32_MAX; /* refused by the view's reader */
+    if (spz && p->spz < 0) p->spz = INT32_MAX; /* reading the view refuses it */
     return splats || draft;
 }
 
@@ -50,7 +50,7 @@ static tides_status check_extension(const td_gltf *g, const primitive *p) {
     const char *kernel = td_json_text(p->extension, "kernel"), *space = td_json_text(p->extension, "colorSpace");
     const char *projection = td_json_text(p->extension, "projection"), *unknown = NULL;
     if (kernel && strcmp(kernel, "ellipse") != 0) unknown = kernel;
-    if (space && !strstr(space, "709")) unknown = space; /* primaries whose luminance isn't ours */
+    if (space && !strstr(space, "709")) unknown = space; /* primaries with other luminance weights */
     if (projection && strcmp(projection, "perspective") != 0) unknown = projection;
     if (member(p->extension, "quantizedPositionScale")) unknown = "quantizedPositionScale"; /* the very first draft */
     if (unknown)
@@ -61,13 +61,13 @@ static tides_status check_extension(const td_gltf *g, const primitive *p) {
     return TIDES_OK;
 }
 
-/* The extension's colour space: a name that begins with "lin" is linear; without a name it is the extension's first, sRGB. */
+/* Takes the colour space: a name that begins with "lin" is linear; without a name it is sRGB, the extension's default. */
 static void take_space(const primitive *p, td_gaussians *part) {
     const char *space = td_json_text(p->extension, "colorSpace");
     if (space) td_gaussians_tag(part, strncmp(space, "lin", 3) == 0 ? TIDES_TRANSFER_LINEAR : TIDES_TRANSFER_SRGB, 0);
 }
 
-/* Index of an attribute's accessor by its name or an early draft's; -1: none. */
+/* Index of the accessor of an attribute, by its name or an early draft's; -1: none. */
 static int64_t attribute(const primitive *p, const char *name) {
     char full[80];
     const cJSON *all = member(p->json, "attributes");
@@ -76,7 +76,7 @@ static int64_t attribute(const primitive *p, const char *name) {
     return td_json_whole(all, full, 0, INT32_MAX);
 }
 
-/* An attribute of `width` numbers for each of `count` Gaussians; 0: however many it has. */
+/* Opens an attribute of `width` numbers for each of `count` Gaussians; `count` 0: any number of them. */
 static tides_status open_attribute(td_gltf *g, int64_t index, const char *name, int width, size_t count, td_gltf_accessor *a) {
     if (index < 0) return td_fail(g->error, TIDES_BAD_FILE, "%s: its splats have no %s", g->path, name);
     tides_status status = td_gltf_access(g, index, name, a);
@@ -89,14 +89,14 @@ static tides_status open_attribute(td_gltf *g, int64_t index, const char *name, 
     return status;
 }
 
-/* `key` names itself in messages. */
+/* Opens an attribute; messages call it by `key`. */
 static tides_status open_named(td_gltf *g, const primitive *p, const char *key, int width, size_t count, td_gltf_accessor *a) {
     return open_attribute(g, attribute(p, key), key, width, count, a);
 }
 
 /* -- scales: linear or logarithms ---------------------------------------------------------------------------------------- */
 
-/* Sets `*found` where the primitive's scales are certain to be logarithms. */
+/* Sets `*found` if the primitive's scales are certainly logarithms. */
 static tides_status find_negative(td_gltf *g, const primitive *p, int *found) {
     td_gltf_accessor a;
     if (p->spz >= 0) return TIDES_OK;
@@ -111,7 +111,7 @@ static tides_status find_negative(td_gltf *g, const primitive *p, int *found) {
 
 /* -- attributes into Gaussians ------------------------------------------------------------------------------------------- */
 
-/* Opacity and the constant coefficient: of their own, or of COLOR_0. */
+/* Where opacity and the constant coefficient come from: attributes of their own, or COLOR_0. */
 typedef struct looks {
     td_gltf_accessor opacity, dc, colour;
     int has_opacity, has_dc;
@@ -201,7 +201,7 @@ static tides_status read_attributes(td_gltf *g, const primitive *p, int logarith
 
 /* -- primitives, in their places ----------------------------------------------------------------------------------------- */
 
-/* Half a turn about z on both sides of the node's map, or on its left alone: a .spz has been turned already. */
+/* Adds the half turn about z to a node's map: on both sides, or only on the left, since a .spz is already turned. */
 static void turn_axes(const double from[12], int both, double map[12]) {
     for (int i = 0; i < 12; i++) {
         const int left = i / 4 < 2, right = both && i % 4 < 2;
@@ -221,7 +221,7 @@ static tides_status read_part(td_gltf *g, const primitive *p, const double map[1
     return td_gaussians_place(part, turned, g->error);
 }
 
-/* Sets `wanted` for meshes with splats, and `*logarithms`. */
+/* Marks meshes with splats in `wanted`, and sets `*logarithms`. */
 static tides_status find_meshes(td_gltf *g, unsigned char *wanted, int *logarithms) {
     int any = 0;
     tides_status status = TIDES_OK;
@@ -261,7 +261,7 @@ static tides_status read_places(td_gltf *g, const td_gltf_place *places, size_t 
     return td_fail(g->error, TIDES_BAD_FILE, "%s: has splats, but no node of its scene shows them", g->path);
 }
 
-/* All that one file shows is one object, decoded in one way. */
+/* Fails if parts have different colour spaces: all become one object, which is decoded in one way. */
 static tides_status check_spaces(const td_gltf *g, const td_gaussians *parts, size_t count) {
     for (size_t i = 1; i < count; i++)
         if (parts[i].transfer != parts[0].transfer || parts[i].says_transfer != parts[0].says_transfer)
@@ -290,7 +290,7 @@ static tides_status read_splats(td_gltf *g, td_gaussians *gaussians) {
     return status;
 }
 
-/* A NULL part: the default scene. */
+/* Parses scene `part`; NULL: the default scene. */
 static tides_status parse_part(const char *path, const void *data, size_t size, const char *part, int32_t lenient,
                                td_gaussians *gaussians, tides_error *error) {
     td_gltf g;

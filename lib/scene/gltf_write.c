@@ -1,5 +1,5 @@
-/* Writes .glb: one primitive of splats as KHR_gaussian_splatting has them (gltf_splats.c), an array of floats for each
- * attribute, turned to glTF's axes themselves: viewers that don't turn SH with a node show the right colours. */
+/* Writes .glb: one primitive of splats by KHR_gaussian_splatting, with one array of floats per attribute. The Gaussians
+ * themselves are turned to glTF's axes. A node that turns them would give wrong colours in viewers that don't turn SH. */
 #include "td_base.h"
 #include "td_gltf.h"
 #include "td_math.h"
@@ -23,9 +23,10 @@ static int attributes_of(const td_gaussians *g) { return HARMONICS + (int)td_sh_
 /* The degree of coefficient k of SH. */
 static int degree_of(int k) { return (int)sqrt((double)k); }
 
-/* -- attributes, one array after the other: each function says where the next begins --------------------------------------- */
+/* -- attributes, one array after the other: each function returns where the next begins
+ * --------------------------------------- */
 
-/* x and y change signs. `box`: the least and the greatest position, as they are written. */
+/* Writes positions: x and y change signs. `box`: least and greatest position, as written. */
 static unsigned char *put_positions(unsigned char *to, const td_gaussians *g, double scale, double box[2][3]) {
     for (int64_t i = 0; i < g->count; i++)
         for (int c = 0; c < 3; c++, to += 4) {
@@ -37,7 +38,7 @@ static unsigned char *put_positions(unsigned char *to, const td_gaussians *g, do
     return to;
 }
 
-/* xyzw of (0, 0, 1, 0) times q. */
+/* Writes rotations: (0, 0, 1, 0) times q, in the order xyzw. */
 static unsigned char *put_rotations(unsigned char *to, const td_gaussians *g) {
     for (int64_t i = 0; i < g->count; i++, to += 16) {
         double q[4];
@@ -58,7 +59,7 @@ static unsigned char *put_opacities(unsigned char *to, const td_gaussians *g) {
     return to;
 }
 
-/* SH that are odd in x and y together change signs: those of odd m. */
+/* Writes one coefficient of SH. Those of odd m, which are odd in x and y together, change signs. */
 static unsigned char *put_harmonic(unsigned char *to, const td_gaussians *g, int k) {
     const int l = degree_of(k), odd = (k - l * l - l) % 2 != 0;
     const int64_t wide = 3 * (int64_t)td_sh_coefficients(g->sh_degree);
@@ -90,7 +91,7 @@ static const char *name_of(int attribute, char name[64]) {
     return name;
 }
 
-/* Nothing here is checked for memory: printing the JSON fails where something is missing. */
+/* Adds the attributes to the JSON. Failed allocations aren't checked here: printing the JSON then fails. */
 static void add_attributes(cJSON *json, cJSON *named, const td_gaussians *g, double box[2][3]) {
     static const char *const types[] = {"", "SCALAR", "", "VEC3", "VEC4"};
     cJSON *views = cJSON_AddArrayToObject(json, "bufferViews"), *accessors = cJSON_AddArrayToObject(json, "accessors");
@@ -116,7 +117,7 @@ static void add_attributes(cJSON *json, cJSON *named, const td_gaussians *g, dou
     }
 }
 
-/* The JSON, printed; NULL without memory. */
+/* The JSON as text; NULL if memory is short. */
 static char *describe(const td_gaussians *g, double bytes, double box[2][3]) {
     cJSON *json = cJSON_Parse("{\"asset\":{\"version\":\"2.0\",\"generator\":\"TIDES\"},"
                               "\"extensionsUsed\":[\"" TD_GLTF_SPLATS "\"],"
@@ -148,7 +149,7 @@ tides_status td_gltf_write(const char *path, const td_gaussians *g, double scale
     const size_t bytes = (size_t)(each * (uint64_t)g->count);
     double box[2][3] = {{0}, {0}};
     unsigned char *file =
-        td_alloc(bytes + room, 1, error); /* the arrays at its end, moved down once the JSON's size is known */
+        td_alloc(bytes + room, 1, error); /* the arrays are at the end, and move down once the JSON's size is known */
     if (!file) return TIDES_NO_MEMORY;
     pack(file + room, g, scale, box);
     char *text = describe(g, (double)bytes, box);

@@ -1,6 +1,6 @@
-/* gsplat's checkpoint, {"step", "splats": {means [N, 3], scales [N, 3] (log), quats [N, 4] (wxyz, raw), opacities [N] (logit),
- * sh0 [N, 1, 3], shN [N, K - 1, 3]}}: the parameters as they are (gsplat, examples/simple_trainer.py). How they were trained is
- * in the trainer's cfg.yml, a line for each setting, above the folder of checkpoints. */
+/* Reads gsplat's checkpoint, {"step", "splats": {means [N, 3], scales [N, 3] (log), quats [N, 4] (wxyz, raw), opacities [N]
+ * (logit), sh0 [N, 1, 3], shN [N, K - 1, 3]}}: raw parameters (gsplat, examples/simple_trainer.py). The training mode is in
+ * the trainer's cfg.yml, with a setting per line, in the folder above the checkpoints. */
 #include "archive/td_pickle.h"
 #include "scene/td_model_dir.h"
 #include "td_base.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The degree that shN's extent stands for; -1 where there is none. */
+/* The degree that belongs to shN's extent; -1 if none does. */
 static int32_t degree_of(const td_value *splats) {
     const td_value *rest = td_value_get(splats, "shN");
     if (!rest) return 0;
@@ -21,7 +21,7 @@ static int32_t degree_of(const td_value *splats) {
     return -1;
 }
 
-/* Reads floats, NaN and Inf included: td_gaussians_check or _drop handle those and name the Gaussian. */
+/* Reads floats, also NaN and Inf: later checks refuse or drop these, and name the Gaussian. */
 static tides_status read_floats(const td_value *splats, const char *key, int ndim, const int64_t *shape, float **values,
                                 tides_error *error) {
     const td_tensor *tensor = NULL;
@@ -42,7 +42,7 @@ static tides_status read_array(const td_value *splats, const char *key, int ndim
     return TIDES_OK;
 }
 
-/* Coefficient 0 from sh0, the others from shN, Gaussian by Gaussian. */
+/* Reads coefficient 0 from sh0 and the others from shN, interleaved per Gaussian. */
 static tides_status read_sh(const td_value *splats, const td_gaussians *g, tides_error *error) {
     int64_t rest = (int64_t)td_sh_coefficients(g->sh_degree) - 1;
     float *first = NULL, *others = NULL;
@@ -83,7 +83,7 @@ static tides_status read_splats(const td_value *splats, td_gaussians *gaussians,
     return status;
 }
 
-/* 1 where the text has the line "key: value". */
+/* 1 if the text has this line, such as "key: value". */
 static int says(const char *text, const char *line) {
     const size_t length = strlen(line);
     for (const char *at = text; (at = strstr(at, line)); at += length)

@@ -1,5 +1,5 @@
-/* gzip and zstd into a buffer whose size the caller knows from a header: what unpacks to more is cut off or refused, so that
- * a bomb costs no more than the file says it is. */
+/* Unpacks gzip and zstd into a buffer whose size the caller knows from a header. More output is cut off or refused, so that a
+ * decompression bomb costs no more memory than its header says. */
 #include "td_base.h"
 #include "td_splat.h"
 
@@ -8,17 +8,18 @@
 #include <zlib.h>
 #include <zstd.h>
 
-/* Deflate: 258 bytes for 2 bits at best (zlib's technical notes: 1032 to 1), and a first block's header. */
+/* 1 if `packed` bytes of gzip can't give `size` bytes: 1032 to 1 is deflate's best (258 bytes for 2 bits, zlib's technical
+ * notes). */
 int td_gzip_lies(uint64_t size, size_t packed) { return size / 1032 > packed; }
 
-/* zstd: a block of at most 2^17 bytes takes at least 4, its header and the byte that it repeats (RFC 8878, 3.1.1.2). */
+/* As a bound for zstd: a block of at most 2^17 bytes takes at least 4, its header and the byte that it repeats (RFC 8878,
+ * 3.1.1.2). */
 int td_zstd_lies(uint64_t size, size_t packed) { return size >> 15 > packed; }
 
-/* As many bytes as zlib's counters take at once. */
+/* The part of `bytes` that zlib's counters can take at once. */
 static unsigned part(size_t bytes) { return bytes > 1u << 30 ? 1u << 30 : (unsigned)bytes; }
 
-/* Fills `out`; Z_OK where the stream goes on, Z_STREAM_END where it ends within it, an error else. `beyond` is room for one
- * byte. */
+/* Fills `out`. Z_OK: the stream goes on; Z_STREAM_END: it ends within; otherwise an error. `beyond`: room for a byte. */
 static int inflate_all(z_stream *stream, const unsigned char *in, size_t bytes, unsigned char *out, size_t size, size_t *made,
                        unsigned char *beyond) {
     size_t taken = 0;
@@ -35,7 +36,7 @@ static int inflate_all(z_stream *stream, const unsigned char *in, size_t bytes, 
         *made += before_out - stream->avail_out;
     }
     if (code != Z_OK) return code;
-    /* One byte more tells whether the stream ends here, and then compares its checksum. */
+    /* Asking for one byte more shows whether the stream ends here; if so, zlib compares the checksum. */
     stream->next_in = in + taken;
     stream->avail_in = part(bytes - taken);
     stream->next_out = beyond;
@@ -49,7 +50,7 @@ tides_status td_gunzip(const char *path, const void *gzip, size_t bytes, unsigne
     z_stream stream;
     unsigned char beyond = 0;
     memset(&stream, 0, sizeof stream);
-    if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) /* 16: a gzip header */
+    if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) /* + 16: with a gzip header */
         return td_fail(error, TIDES_NO_MEMORY, "%s: out of memory for unpacking", path);
     size_t made = 0;
     int code = inflate_all(&stream, gzip, bytes, out, size, &made, &beyond);

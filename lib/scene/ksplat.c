@@ -1,5 +1,6 @@
-/* .ksplat (mkkellogg's GaussianSplats3D), version 0.1 and up, little-endian. A header of 4096 bytes, one of 1024 for each
- * section, then the sections: lengths of buckets that aren't full (uint32 each), centres of buckets (3 floats each), rows.
+/* Reads .ksplat (mkkellogg's GaussianSplats3D), version 0.1 and later, little-endian. A header of 4096 bytes, one of 1024 for
+ * each section, then the sections. A section has lengths of partly filled buckets (uint32 each), centres of buckets (3 floats
+ * each), and rows.
  *
  *     header   uint8 major, minor; uint32 at 4: section headers; at 16: Gaussians; uint16 at 20: compression 0, 1 or 2;
  *              float at 36, 40: range of SH coefficients (0 stands for -1.5, 1.5)
@@ -8,9 +9,9 @@
  *              (0 stands for 32767); at 32: full buckets; at 36: the others; uint16 at 40: SH degree
  *     row      centre, scale (linear) and rotation (wxyz), uint8 r g b a, SH coefficients without the constant
  *
- * Compression 0: all floats. 1: the centre is 3 uint16, (v - range) edge / (2 range) from that of its bucket; scale, rotation
- * and SH are halfs. 2: as 1, with SH of 8 bits between the header's bounds. SH goes band by band, within a band channel by
- * channel. The frame is that of the 3DGS .ply it was made from. */
+ * Compression 0: all floats. 1: the centre is 3 uint16, (v - range) edge / (2 range) from the bucket's centre; scale,
+ * rotation and SH are half-precision. 2: as 1, but SH have 8 bits between the header's bounds. SH are band by band, and
+ * within a band channel by channel. Axes are those of the 3DGS .ply from which it was made. */
 #include "archive/td_numbers.h"
 #include "td_base.h"
 #include "td_endian.h"
@@ -21,7 +22,7 @@
 enum { HEADER = 4096, SECTION = 1024, CENTRE = 12 };
 
 typedef struct layout {
-    size_t centre, scale, rotation, colour, sh; /* where they begin in a row */
+    size_t centre, scale, rotation, colour, sh; /* byte offsets within a row */
     size_t coefficient;                         /* bytes of one SH number */
 } layout;
 
@@ -40,9 +41,9 @@ typedef struct ksplat {
 typedef struct section {
     uint32_t count, room, bucket_size, buckets, full, partial;
     int32_t degree;
-    double step;          /* of quantised centres */
+    double step;          /* size of a step of quantised centres */
     double range;         /* half of their range */
-    size_t lengths, rows; /* where they begin in the file */
+    size_t lengths, rows; /* byte offsets in the file */
     size_t row, end;
 } section;
 
@@ -77,7 +78,7 @@ static tides_status fail_section(const ksplat *k, size_t number, const char *tex
     return td_fail(k->error, TIDES_BAD_FILE, "%s: section %zu: %s", k->path, number, text);
 }
 
-/* Every Gaussian must have a bucket; the lengths' bounds are known to be within the file. */
+/* Fails unless every Gaussian has a bucket. The lengths are known to lie within the file. */
 static tides_status check_buckets(const ksplat *k, size_t number, const section *s) {
     uint64_t placed = (uint64_t)s->full * s->bucket_size;
     if ((uint64_t)s->full + s->partial > s->buckets) return fail_section(k, number, "has more lengths than buckets");
@@ -85,7 +86,7 @@ static tides_status check_buckets(const ksplat *k, size_t number, const section 
     return placed < s->count ? fail_section(k, number, "its buckets hold fewer Gaussians than it has") : TIDES_OK;
 }
 
-/* Header `number` of a section whose data begins at `at`. */
+/* Parses header `number`, of a section whose data begins at `at`. */
 static tides_status parse_section(const ksplat *k, size_t number, size_t at, section *s) {
     const unsigned char *b = k->data + HEADER + SECTION * number;
     *s = (section){.count = td_le32(b),
@@ -104,7 +105,7 @@ static tides_status parse_section(const ksplat *k, size_t number, size_t at, sec
     if (k->mode > 0 && s->count > 0 && centre != CENTRE) return fail_section(k, number, "a bucket's centre must have 12 bytes");
     s->row = layouts[k->mode].sh + 3 * (td_sh_coefficients(s->degree) - 1) * layouts[k->mode].coefficient;
     uint64_t left = k->size - at, lengths = 4 * (uint64_t)s->partial, centres = (uint64_t)s->buckets * centre;
-    uint64_t rows = (uint64_t)s->room * s->row; /* none of these reaches 2^48 */
+    uint64_t rows = (uint64_t)s->room * s->row; /* each is below 2^48, so sums can't overflow */
     if (lengths + centres + rows > left)
         return td_fail(k->error, TIDES_BAD_FILE,
                        "%s: section %zu declares %lu Gaussians of %zu bytes and %lu buckets, but only %zu bytes are left: "
@@ -115,7 +116,7 @@ static tides_status parse_section(const ksplat *k, size_t number, size_t at, sec
     return k->mode > 0 ? check_buckets(k, number, s) : TIDES_OK;
 }
 
-/* Number `i` of a row's part at `b`: a float, or a half. */
+/* Number `i` at `b`: a float or a half-precision number, by compression. */
 static double number_at(unsigned mode, const unsigned char *b, size_t i) {
     return mode == 0 ? (double)td_le_float(b + 4 * i) : td_float_bits(td_le16(b + 2 * i), 2);
 }
@@ -124,13 +125,13 @@ static double sh_at(const ksplat *k, const unsigned char *b, size_t i) {
     return k->mode < 2 ? number_at(k->mode, b, i) : k->sh_low + b[i] / 255.0 * (k->sh_high - k->sh_low);
 }
 
-/* Buckets are walked along with the Gaussians. */
+/* Position in the buckets while the Gaussians are read in order. */
 typedef struct walk {
-    size_t next;  /* bucket behind the current one */
-    uint64_t end; /* Gaussian that it begins with */
+    size_t next;  /* index of the next bucket */
+    uint64_t end; /* the first Gaussian of that bucket */
 } walk;
 
-/* The centre of Gaussian i's bucket; i goes up. */
+/* The centre of Gaussian i's bucket; call it with increasing i. */
 static const unsigned char *centre_of(const ksplat *k, const section *s, size_t i, walk *w) {
     for (; i >= w->end; w->next++)
         w->end += w->next < s->full ? s->bucket_size : td_le32(k->data + s->lengths + 4 * (w->next - s->full));
@@ -164,7 +165,7 @@ static void unpack_section(const ksplat *k, const section *s, const td_gaussians
     }
 }
 
-/* All sections: how many Gaussians, of which degree at most; or, where `g` isn't NULL, into it. */
+/* Walks all sections: with `g` NULL counts Gaussians and finds the highest degree; otherwise fills `g`. */
 static tides_status walk_sections(const ksplat *k, const td_gaussians *g, uint64_t *count, int32_t *degree) {
     size_t at = HEADER + SECTION * (size_t)k->sections;
     *count = 0;
@@ -191,7 +192,7 @@ tides_status td_ksplat_parse(const char *path, const void *data, size_t size, td
     if (!status) status = walk_sections(&k, NULL, &count, &degree);
     if (!status) status = td_gaussians_create(&made, (int64_t)count, degree, error);
     if (status) return status;
-    if (k.mode > 0) status = td_gaussians_widen(&made, error); /* centre and offset are more than a float holds */
+    if (k.mode > 0) status = td_gaussians_widen(&made, error); /* bucket centre plus offset need more digits than a float has */
     if (!status) status = walk_sections(&k, &made, &count, &degree);
     if (status)
         td_gaussians_free(&made);

@@ -153,7 +153,7 @@ static void take_harmonics(const unsigned char *b, const extent *range, const td
     }
 }
 
-/* The run of unit i at the level that is read. */
+/* The run of unit i for the chosen level of detail. */
 static const unsigned char *run_of(const lcc *l, size_t i) {
     return l->units + (UNIT + RUN * (size_t)l->levels) * i + UNIT + RUN * (size_t)l->level;
 }
@@ -242,7 +242,7 @@ static tides_status read_environment(const lcc *l, td_gaussians *g) {
 }
 
 static tides_status read_all(const lcc *l, td_gaussians *gaussians) {
-    static const double quarter[12] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0}; /* up, which is z, becomes -y */
+    static const double quarter[12] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0}; /* z, which is up, becomes -y */
     td_gaussians parts[2] = {{0}, {0}};
     size_t count = 0;
     tides_status status = read_level(l, &parts[count]);

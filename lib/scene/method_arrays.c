@@ -1,5 +1,4 @@
-/* Helpers for the readers of trained models that come as named arrays (.npz, .pth): the last
- * checks of Gaussians and motion together. */
+/* Final checks of a trained model that is read from named arrays (.npz, .pth): of its Gaussians and its motion together. */
 #include "scene/td_method_arrays.h"
 
 #include "motion/td_motion.h"
@@ -18,7 +17,7 @@ tides_status td_arrays_finish(tides_status status, const char *path, td_gaussian
     }
     tides_motion_destroy(moves);
     td_gaussians_free(made);
-    if (status == TIDES_BAD_ARGUMENT) { /* what makes motions takes the arrays for a caller's */
+    if (status == TIDES_BAD_ARGUMENT) { /* the motion's constructor takes the arrays for a caller's */
         status = TIDES_BAD_FILE;
         if (error) error->status = status;
     }

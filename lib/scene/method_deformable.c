@@ -1,4 +1,5 @@
-/* Deformable-3D-Gaussians (Yang et al. 2024): point_cloud.ply and deform.pth; all options show in the shapes of the arrays. */
+/* Reads Deformable-3D-Gaussians (Yang et al. 2024): point_cloud.ply and deform.pth. The shapes of the arrays show all
+ * options. */
 #include "archive/td_pickle.h"
 #include "motion/td_network.h"
 #include "scene/td_method_arrays.h"

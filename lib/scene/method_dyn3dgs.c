@@ -1,6 +1,6 @@
-/* Dynamic3DGaussians (Luiten et al. 2024): params.npz with, per frame, means3D [T, N, 3], rgb_colors [T, N, 3] (plain) and
- * unnorm_rotations [T, N, 4], and once logit_opacities [N, 1] and log_scales [N, 3]. Frames are 1/30 s apart, as in the
- * Panoptic data that it was made for. */
+/* Reads Dynamic3DGaussians (Luiten et al. 2024): params.npz. Per frame it has means3D [T, N, 3], rgb_colors [T, N, 3] (plain
+ * colours) and unnorm_rotations [T, N, 4]; once, logit_opacities [N, 1] and log_scales [N, 3]. Frames are 1/30 s apart, as in
+ * the Panoptic data set. */
 #include "scene/td_method_arrays.h"
 
 #include "archive/td_npy.h"
@@ -12,7 +12,7 @@
 /* Frame rate of the sequences that the method is trained on (CMU Panoptic); the files don't give it. */
 static const double FRAMES_PER_SECOND = 30;
 
-/* Arrays for the constructor: owned here. */
+/* Owned arrays for the motion's constructor. */
 typedef struct frame_arrays {
     int64_t frames, count;
     float *mean, *quaternion, *sh;
@@ -57,7 +57,7 @@ static tides_status copy_array(td_npz *npz, const char *name, int64_t count, int
     return status;
 }
 
-/* The first frame, and what is the same in all. */
+/* Takes the first frame, and the values that are the same in all frames. */
 static tides_status read_gaussians(td_npz *npz, const frame_arrays *a, td_gaussians *g, tides_error *error) {
     tides_status status = td_gaussians_create(g, a->count, 0, error);
     if (status != TIDES_OK) return status;
@@ -69,7 +69,7 @@ static tides_status read_gaussians(td_npz *npz, const frame_arrays *a, td_gaussi
     return status;
 }
 
-/* Colours that are the same in every frame cost nothing: their trainer holds them. */
+/* 1 if colours change. The trainer keeps colours fixed; then the motion has none, and they cost nothing. */
 static int colours_change(const frame_arrays *a) {
     for (int64_t i = 1; i < a->frames; i++)
         if (memcmp(a->sh, a->sh + 3 * i * a->count, 3 * (size_t)a->count * sizeof *a->sh) != 0) return 1;

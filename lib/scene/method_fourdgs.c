@@ -1,4 +1,4 @@
-/* 4DGaussians (Wu et al. 2024): point_cloud.ply, deformation.pth beside it, and the options of training in cfg_args. */
+/* Reads 4DGaussians (Wu et al. 2024): point_cloud.ply, deformation.pth beside it, and training options from cfg_args. */
 #include "archive/td_pickle.h"
 #include "motion/td_hexplane.h"
 #include "scene/td_method_arrays.h"
@@ -6,13 +6,13 @@
 
 #include <string.h>
 
-/* Options that TIDES honours, with the trainer's own defaults for files that don't have them. */
+/* Options that TIDES supports, with the trainer's defaults for files that lack them. */
 static const struct {
     const char *key;
     double fallback;
 } options[] = {{"no_dx", 0}, {"no_ds", 0}, {"no_dr", 0}, {"no_do", 1}, {"no_dshs", 1}, {"apply_rotation", 0}};
 
-/* Options that make another network. */
+/* Options that need a different network: refused. */
 static const char *const refused[] = {"no_grid", "static_mlp", "empty_voxel"};
 
 static tides_status set_options(tides_motion *motion, const td_model_dir *dir, tides_error *error) {
@@ -27,7 +27,8 @@ static tides_status set_options(tides_motion *motion, const td_model_dir *dir, t
     return status;
 }
 
-/* The grid, the trunk, and the heads that are on: all five are in the file, and some may be large for nothing. */
+/* 1 for arrays that are needed: the grid, the trunk, and heads that are on. The file has all five heads, and unused ones may
+ * be large. */
 static int wanted(const tides_motion *motion, const char *name) {
     static const char *const flags[TD_HEADS] = {"no_dx", "no_ds", "no_dr", "no_do", "no_dshs"};
     for (int head = 0; head < TD_HEADS; head++)

@@ -1,5 +1,5 @@
-/* A sequence of plain 3DGS .ply files of the same Gaussians, one per frame (4DGaussians' export_perframe_3DGS.py:
- * gaussian_pertimestamp/time_00000.ply ..), as keyframes from 0 to 1 at even distances. */
+/* Reads a sequence of plain 3DGS .ply files, one per frame, with the same Gaussians (4DGaussians' export_perframe_3DGS.py:
+ * gaussian_pertimestamp/time_00000.ply ..). They become keyframes at equal distances from 0 to 1. */
 #include "scene/td_method_arrays.h"
 
 #include "td_base.h"
@@ -11,9 +11,9 @@ enum { MEAN = 0, QUATERNION, LOG_SCALE, LOGIT, SH, PARTS };
 
 typedef struct sequence {
     int64_t frames;
-    size_t width[PARTS]; /* per Gaussian */
+    size_t width[PARTS]; /* numbers per Gaussian */
     float *value[PARTS]; /* (frames x count x width) */
-    double *mean;        /* (frames x count x 3) in double, where a file has them so; else NULL */
+    double *mean;        /* (frames x count x 3) in double, if a file has more than single precision; else NULL */
     double *time;
     td_gaussians first;
 } sequence;
@@ -55,7 +55,7 @@ static tides_status sequence_begin(sequence *s, tides_error *error) {
     return TIDES_OK;
 }
 
-/* From the first frame on that has its means in double: those before it are what they are. */
+/* Stores means in double from the first frame that has them; earlier frames' means are converted. */
 static tides_status add_means(sequence *s, int64_t frame, const td_gaussians *g, tides_error *error) {
     size_t reals = 3 * (size_t)g->count, before = (size_t)frame * reals;
     if (!g->mean_double && !s->mean) return TIDES_OK;
@@ -94,7 +94,7 @@ static tides_status sequence_read(sequence *s, const td_model_dir *dir, tides_er
     return status;
 }
 
-/* The part, or NULL where every frame has the first one's numbers. */
+/* Returns the part's values, or NULL if all frames have the same ones. */
 static const float *changing(const sequence *s, int part) {
     size_t reals = (size_t)s->first.count * s->width[part];
     for (int64_t i = 1; i < s->frames; i++)

@@ -1,7 +1,7 @@
-/* FreeTimeGS (Wang et al. 2025) as gsplat's checkpoints hold it: the splats' own arrays (gsplat_checkpoint.c) and
+/* Reads FreeTimeGS (Wang et al. 2025) from gsplat's checkpoints, which have the splats' usual arrays and
  *     times [N, 1]   durations [N, 1] (ln)   velocities [N, 3]
- * mean = mean_0 + velocity dt and opacity = sigmoid exp(-(dt / duration)^2 / 2) with dt = tau - time and durations of at least
- * 0.02: a polynomial motion. tau is from 0 to 1. */
+ * With dt = tau - time, mean = mean_0 + velocity dt and opacity = sigmoid exp(-(dt / duration)^2 / 2): a polynomial motion.
+ * Durations are at least 0.02; tau runs from 0 to 1. */
 #include "scene/td_method_arrays.h"
 
 #include "archive/td_pickle.h"
@@ -13,7 +13,7 @@
 
 static const double DURATION_LEAST = 0.02;
 
-/* Velocities to the first of three coefficients; durations to ln of a width without the 1/2. */
+/* A velocity becomes the first of three coefficients. A duration becomes the ln of a width in exp(-(dt / width)^2). */
 static tides_status make_motion(int64_t count, const float *times, float *durations, const float *velocities,
                                 tides_motion **motion, tides_error *error) {
     float *coefficient = td_alloc((size_t)count, 9 * sizeof *coefficient, error);

@@ -1,12 +1,12 @@
-/* 4d-gaussian-splatting (Yang et al. 2024): chkpntN.pth = (capture, iteration), with capture a tuple of 19:
+/* Reads 4d-gaussian-splatting (Yang et al. 2024): chkpntN.pth = (capture, iteration); capture is a tuple of 19:
  *     0 active_sh_degree   1 xyz [N, 3]         2 features_dc [N, 1, 3]   3 features_rest [N, K - 1, 3]   4 scaling [N, 3]
  *     5 rotation [N, 4]    6 opacity [N, 1]     7 .. 12 of training       13 t [N, 1]      14 scaling_t [N, 1]
  *     15 rotation_r [N, 4] 16 rot_4d            17 env_map                18 active_sh_degree_t
- * Coefficient 16 k + j is that of harmonic k. With no harmonics 33 coefficients are stored and 16 used.
+ * Number 16 k + j is SH coefficient j of the harmonic k in time. Without harmonics, 33 coefficients are stored and 16 used.
  *
- * The range of time isn't in the file, and cfg_args has it only in some versions (time_duration). Their trainer spreads the
- * centres evenly over it, and a tenth of it beyond, so that of the ranges that their configurations use (0 to 1, -1/2 to 1/2,
- * 0 to 10 s) the centres tell which. */
+ * The range of time isn't in this file, and in cfg_args (time_duration) only in some versions. The trainer spreads the
+ * centres evenly over the range, and a tenth of it beyond. So the centres tell which of the ranges in its configurations was
+ * used: 0 to 1, -1/2 to 1/2, or 0 to 10 s. */
 #include "scene/td_method_arrays.h"
 
 #include "archive/td_pickle.h"
@@ -18,13 +18,13 @@
 enum { XYZ = 1, DC, REST, SCALING, ROTATION, OPACITY, T = 13, SCALING_T, ROTATION_R, ROT_4D, HARMONICS = 18, ITEMS = 19 };
 enum { K = 16, ENTRIES = 3 * K };
 
-/* Item `index` as floats of `ndim` extents (-1: any); the caller frees. */
+/* Item `index` as floats with `ndim` extents (-1: any); the caller frees them. */
 static tides_status read_item(const td_value *capture, size_t index, const char *name, int ndim, const int64_t *shape,
                               float **out, tides_error *error) {
     const td_value *item = td_value_item(capture, index);
     if (!item || item->kind != TD_VALUE_TENSOR) {
         td_fail(error, TIDES_BAD_FILE, "item %zu, %s, is %s: a tensor was expected", index, name, td_value_kind(item));
-        return TIDES_BAD_FILE; /* said here for static analysers, which don't see into td_fail */
+        return TIDES_BAD_FILE; /* repeats the status for static analysers, which don't follow td_fail */
     }
     tides_status status = td_tensor_check_shape(item->as.tensor, name, ndim, shape, error);
     if (status == TIDES_OK) status = td_tensor_check_finite(item->as.tensor, name, error);
@@ -32,7 +32,7 @@ static tides_status read_item(const td_value *capture, size_t index, const char 
     return status;
 }
 
-/* Arrays for the constructor: owned here. */
+/* Owned arrays for the motion's constructor. */
 typedef struct fudan_arrays {
     float *centre, *log_scale, *right, *harmonic;
     int harmonics;
@@ -54,7 +54,7 @@ static tides_status copy_item(const td_value *capture, size_t index, const char 
     return status;
 }
 
-/* Coefficients stored per Gaussian, and harmonics used of them. */
+/* Finds the number of coefficients stored per Gaussian, and of harmonics used. */
 static tides_status find_colours(const td_value *capture, int64_t count, int64_t *stored, int *harmonics, tides_error *error) {
     const td_value *rest = td_value_item(capture, REST);
     int64_t used = 0;
@@ -110,7 +110,7 @@ static tides_status read_arrays(const td_value *capture, int64_t count, fudan_ar
     int tilts = 0;
     if (!td_value_bool(td_value_item(capture, ROT_4D), &tilts)) {
         td_fail(error, TIDES_BAD_FILE, "item %d, rot_4d, isn't True or False", ROT_4D);
-        return TIDES_BAD_FILE; /* as in read_item */
+        return TIDES_BAD_FILE; /* repeats the status for static analysers, which don't follow td_fail */
     }
     tides_status status = read_item(capture, T, "t", 2, one, &a->centre, error);
     if (status == TIDES_OK) status = read_item(capture, SCALING_T, "scaling_t", 2, one, &a->log_scale, error);

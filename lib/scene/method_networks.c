@@ -1,5 +1,5 @@
-/* Helpers for the readers of methods whose motion is a deformation network (method_fourdgs.c, method_deformable.c): the
- * canonical points, the network's arrays into a motion, which checks them, and the options of training. */
+/* Helpers for methods whose motion is a deformation network: read the canonical points, hand the network's arrays to a motion
+ * (which checks them), and read training options. */
 #include "scene/td_method_networks.h"
 
 #include "motion/td_motion.h"

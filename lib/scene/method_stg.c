@@ -1,12 +1,4 @@
-/* SpacetimeGaussians (Li et al. 2024): point_cloud.ply with properties of its own, all raw:
- *     x y z, scale_0..2, rot_0..3, opacity    as 3DGS
- *     trbf_center, trbf_scale                 centre and ln width of the bell of opacity
- *     motion_0..8                             coefficients of dt, dt^2, dt^3, xyz each
- *     omega_0..3                              the quaternion's rate
- *     f_dc_0..2                               colour (lite); with f_dc_3..5 and f_t_0..2, nine features (full), which a small
- *                                             network beside it, point_cloud.pt, turns into colour per pixel:
- *                                             mlp1.weight [6, 12, 1, 1], mlp2.weight [3, 6, 1, 1]
- * tau is (frame - first frame) / frames, from 0 to 1. */
+/* Reads SpacetimeGaussians (Li et al. 2024): point_cloud.ply with these raw properties: */
 #include "scene/td_method_arrays.h"
 
 #include "archive/td_pickle.h"
@@ -39,10 +31,10 @@ static tides_status read_gaussians(const td_ply_table *table, td_gaussians *g, t
     return status;
 }
 
-/* The arrays of the motion: owned here. */
+/* Owned arrays for the motion's constructor. */
 typedef struct stg_arrays {
     float *centre, *log_width, *coefficient, *quaternion_dot;
-    float *feature, *feature_dot, *first, *second; /* of the full model */
+    float *feature, *feature_dot, *first, *second; /* only the full model has these */
     int decoder;
 } stg_arrays;
 
@@ -63,7 +55,7 @@ static tides_status read_bell(const td_ply_table *table, stg_arrays *a, tides_er
     return status;
 }
 
-/* Which of the three ways of ending the decoder: rgbfunction in cfg_args; without one, the paper's, sandwich. */
+/* Finds how the decoder ends, of three ways: `rgbfunction` in cfg_args; without it the paper's way, "sandwich". */
 static tides_status find_decoder(const td_model_dir *dir, int *decoder, tides_error *error) {
     static const char *const names[] = {"sandwich", "sandwichnoact", "sandwichnoactss"};
     const char *name = td_value_text(td_value_get(dir->cfg ? td_tree_root(dir->cfg) : NULL, "rgbfunction"));

@@ -1,5 +1,4 @@
-/* Recognises a trained model by what its trainer leaves in its folder, and says where its parts are. Reading them is left to
- * each method's reader (scene_methods.c). */
+/* Recognises a trained model by the files in its folder, and finds the files of its parts. */
 #include "scene/td_model_dir.h"
 #include "archive/td_pickle.h"
 #include "archive/td_pyrepr.h"
@@ -39,7 +38,7 @@ void td_model_dir_free(td_model_dir *dir) {
 
 /* -- paths -- */
 
-/* "FOLDER/name" goes to `*out` where that file exists; else `*out` stays. */
+/* Sets `*out` to "FOLDER/name" if that file exists. */
 static tides_status take_file(char **out, const char *folder, const char *name, tides_error *error) {
     char *path = td_format(error, "%s/%s", folder, name);
     if (!path) return TIDES_NO_MEMORY;
@@ -52,7 +51,7 @@ static tides_status take_file(char **out, const char *folder, const char *name, 
     return TIDES_OK;
 }
 
-/* Replaces `*path` by the folder `levels` above. */
+/* Replaces `*path` by the folder `levels` above it. */
 static tides_status climb(char **path, int levels, tides_error *error) {
     for (int i = 0; i < levels; i++) {
         char *above = td_folder_of(*path, error);
@@ -65,7 +64,7 @@ static tides_status climb(char **path, int levels, tides_error *error) {
 
 /* -- methods with point_cloud/iteration_N -- */
 
-/* Files of one iteration: its .ply, and deform.pth where the model has a folder for it. */
+/* Takes the files of one iteration: its .ply, and deform.pth if the model has a folder for such networks. */
 static tides_status take_iteration(td_model_dir *dir, const char *iteration, int64_t number, int deformable,
                                    tides_error *error) {
     char *deform = NULL;
@@ -75,7 +74,7 @@ static tides_status take_iteration(td_model_dir *dir, const char *iteration, int
         if (!(deform = td_format(error, "%s/deform/iteration_%lld", dir->folder, (long long)number))) return TIDES_NO_MEMORY;
         status = take_file(&dir->weights, deform, "deform.pth", error);
         free(deform);
-        if (!status && !dir->weights) { /* an iteration without its network is none */
+        if (!status && !dir->weights) { /* without its network the iteration is incomplete */
             free(dir->points);
             dir->points = NULL;
         }
@@ -84,7 +83,7 @@ static tides_status take_iteration(td_model_dir *dir, const char *iteration, int
     return status;
 }
 
-/* The numbers of a sorted list, where there are several. */
+/* Lists the numbers of all iterations, if there are several. */
 static tides_status list_others(td_model_dir *dir, const td_numbered_list *list, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; list->count > 1 && i < list->count && !status; i++) {
@@ -99,7 +98,7 @@ static tides_status list_others(td_model_dir *dir, const td_numbered_list *list,
 
 static int is_wanted(const td_model_dir *dir, int64_t number) { return dir->wanted < 0 || dir->wanted == number; }
 
-/* The newest iteration that is complete, or the one that is wanted. */
+/* Finds the requested iteration, or the newest complete one. */
 static tides_status find_iteration(td_model_dir *dir, int deformable, tides_error *error) {
     td_numbered_list list = {.items = NULL};
     char *folder = td_format(error, "%s/point_cloud", dir->folder);
@@ -114,7 +113,7 @@ static tides_status find_iteration(td_model_dir *dir, int deformable, tides_erro
     return status;
 }
 
-/* The method, by what is in and beside the .ply. */
+/* Finds the method from the properties of the .ply and the files beside it. */
 static tides_status judge_points(td_model_dir *dir, tides_error *error) {
     char *beside = td_folder_of(dir->points, error);
     tides_status status = beside ? TIDES_OK : TIDES_NO_MEMORY;
@@ -136,9 +135,9 @@ static tides_status judge_points(td_model_dir *dir, tides_error *error) {
     return status;
 }
 
-/* -- the others -- */
+/* -- methods without point_cloud/iteration_N -- */
 
-/* The file with the greatest number in a folder goes to `weights`. */
+/* Sets `weights` to the file with the largest number in a folder. */
 static tides_status take_newest(td_model_dir *dir, const char *folder, const char *before, const char *after,
                                 tides_error *error) {
     td_numbered_list list = {.items = NULL};
@@ -156,7 +155,7 @@ static tides_status take_newest(td_model_dir *dir, const char *folder, const cha
     return status;
 }
 
-/* gsplat's checkpoints and FreeTimeGS's differ in their tensors only. */
+/* Tells gsplat's checkpoints from FreeTimeGS's, which differ only in their tensors. */
 static tides_status judge_checkpoint(td_model_dir *dir, tides_error *error) {
     td_tree *tree = NULL;
     tides_status status = td_torch_open(dir->weights, &tree, error);
@@ -203,7 +202,7 @@ static tides_status find_points(td_model_dir *dir, int *found, tides_error *erro
     return *found ? judge_points(dir, error) : status;
 }
 
-/* The series, where there is no model that could make it at any time. */
+/* Finds a sequence of .ply files, if there is no model that gives any time. */
 static tides_status find_frames(td_model_dir *dir, int *found, tides_error *error) {
     td_numbered_list list = {.items = NULL};
     char *folder = td_format(error, "%s/gaussian_pertimestamp", dir->folder);
@@ -222,7 +221,7 @@ static tides_status find_frames(td_model_dir *dir, int *found, tides_error *erro
     return status;
 }
 
-/* A plain .ply at rest gives way to the series that was made with it. */
+/* Recognises the method. A sequence of .ply files takes precedence over a static .ply. */
 static tides_status recognise(td_model_dir *dir, tides_error *error) {
     static tides_status (*const looks[])(td_model_dir *, int *, tides_error *) = {find_points, find_params, find_fudan,
                                                                                   find_checkpoint};
@@ -247,9 +246,9 @@ static tides_status read_cfg(td_model_dir *dir, tides_error *error) {
     return status;
 }
 
-/* -- where to look -- */
+/* -- entering a path -- */
 
-/* MODEL/point_cloud/iteration_N, or MODEL/point_cloud: the model's folder, and that iteration. */
+/* Handles MODEL/point_cloud/iteration_N or MODEL/point_cloud: finds the model's folder and, if named, the iteration. */
 static tides_status enter_folder(td_model_dir *dir, tides_error *error) {
     int64_t number = td_numbered(td_base_name(dir->folder), "iteration_", "");
     if (number < 0) number = td_numbered(td_base_name(dir->folder), "coarse_iteration_", "");
@@ -271,13 +270,13 @@ static tides_status enter_folder(td_model_dir *dir, tides_error *error) {
     return status;
 }
 
-/* A network says nothing without its Gaussians. */
+/* 1 for a network's file, which is useless without its Gaussians. */
 static int is_network(const char *path) {
     const char *name = td_base_name(path);
     return strcmp(name, "deform.pth") == 0 || strcmp(name, "deformation.pth") == 0 || strcmp(name, "point_cloud.pt") == 0;
 }
 
-/* A checkpoint or .npz: the file itself is what was asked for, whatever else lies beside it. */
+/* Handles a checkpoint or .npz: exactly this file is read, whatever else is beside it. */
 static tides_status enter_weights(td_model_dir *dir, const char *path, tides_error *error) {
     const char *name = td_base_name(path);
     int is_npz = td_ends_in(name, ".npz");
@@ -292,7 +291,7 @@ static tides_status enter_weights(td_model_dir *dir, const char *path, tides_err
     return judge_checkpoint(dir, error);
 }
 
-/* The folder iteration_N that the network lies in tells which Gaussians are its own. */
+/* Handles a network's file: the folder iteration_N that holds it gives the iteration of its Gaussians. */
 static tides_status enter_network(td_model_dir *dir, const char *path, tides_error *error) {
     int64_t number = td_numbered(td_base_name(dir->folder), "iteration_", "");
     tides_status status = climb(&dir->folder, 2, error);
@@ -313,7 +312,7 @@ static tides_status enter_file(td_model_dir *dir, const char *path, tides_error 
     return status ? status : judge_points(dir, error);
 }
 
-/* As td_model_dir_find, without cfg_args. */
+/* Finds everything but cfg_args. */
 static tides_status find(const char *path, int64_t wanted, td_model_dir *dir, tides_error *error) {
     struct stat facts;
     *dir = (td_model_dir){.iteration = -1, .wanted = wanted};
@@ -345,7 +344,7 @@ int td_model_dir_is(const char *path) {
     return td_zip_is(start, got);
 }
 
-/* The number that a part is; -1 where it is none. */
+/* The iteration number in `part`; -1 if it is no number. */
 static int64_t iteration_of(const char *part) { return td_numbered(part, "", ""); }
 
 static tides_status refuse_part(const char *path, const char *part, tides_error *error) {

@@ -1,5 +1,5 @@
-/* Content of a folder, for model_dir.c: the files and numbered folders that trainers leave (iteration_30000), in the order of
- * their numbers. */
+/* Lists files and folders with numbers in their names, as trainers leave them (iteration_30000), in the order of the
+ * numbers. */
 #include "td_base.h"
 #include "td_model_files.h"
 #include "td_ply.h"
@@ -41,7 +41,7 @@ tides_status td_scan_numbered(const char *folder, const char *before, const char
     return status;
 }
 
-/* By number; where two names have the same one ("7", "07"), by name. */
+/* Compares by number, and equal numbers ("7", "07") by name. */
 static int compare(const void *a, const void *b) {
     const td_numbered_item *first = a, *second = b;
     if (first->number != second->number) return first->number < second->number ? -1 : 1;

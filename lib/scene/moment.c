@@ -1,5 +1,5 @@
-/* An object's Gaussians at a time, as its motion has them then: for boxes about them, and for those who write what moves into
- * files of single moments (tides_scene_gaussians_at). In double, on the host. */
+/* An object's Gaussians at one time, moved by its motion: for bounding boxes, and for files of a single moment
+ * (tides_scene_gaussians_at). In double, on the host. */
 #include "camera/td_rotation.h"
 #include "motion/td_motion.h"
 #include "td_math.h"
@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows that a motion is asked for at once: some 100 KB of geometry. */
+/* Rows for which a motion is asked at once: about 100 KB of geometry. */
 enum { ROWS = 512, SH_STRIDE = 3 * (TIDES_SH_DEGREE_MAX + 1) * (TIDES_SH_DEGREE_MAX + 1) };
 
-/* Rows of a motion, a batch at a time. */
+/* Rows of a motion, computed in batches. */
 typedef struct batch {
     int32_t index[ROWS];
     double geometry[ROWS * TD_GEOMETRY_STRIDE], rates[ROWS * TD_GEOMETRY_STRIDE];
@@ -74,7 +74,7 @@ static void put_own_sh(const arrays *a, int64_t i) {
     for (int64_t k = 0; a->theta->sh && k < width; k++) a->theta->sh[width * i + k] = a->own->sh[width * i + k];
 }
 
-/* Back from what is rendered to raw parameters: the columns of R diag(scale) are as long as the scales. */
+/* Converts a rendered row back to raw parameters. The columns of R diag(scale) have the scales as lengths. */
 static void put_row(void *user, int64_t i, const double *geometry, const double *sh) {
     const arrays *a = user;
     const double *m = geometry + TD_G_FACTOR, least = ldexp(1, -24);

@@ -1,5 +1,5 @@
-/* An object's motion in a scene file, read and written; scene_hdf5.c documents the layout. One reader and one writer serve all
- * models: what a model's arrays and settings must be, its class checks (td_motion.h). */
+/* Reads and writes an object's motion in a scene file: the model's name, settings and arrays. The code is the same for all
+ * models; each model checks its own arrays and settings. */
 #include "td_base.h"
 #include "motion/td_motion.h"
 #include "archive/td_h5_place.h"
@@ -57,7 +57,7 @@ static tides_status read_array(const td_place *fields, const char *name, tides_m
     int rank = 0;
     size_t count = 1;
     tides_status status = td_place_rank(fields, name, &rank);
-    if (!status) status = td_place_shape(fields, name, rank, shape); /* no more numbers than the file can hold */
+    if (!status) status = td_place_shape(fields, name, rank, shape); /* limits the numbers to what the file can hold */
     if (status) return status;
     for (int i = 0; i < rank; i++) count *= (size_t)shape[i];
     float *values = td_alloc(count ? count : 1, sizeof *values, fields->error);
@@ -125,7 +125,7 @@ tides_status td_motion_hdf5_read(const td_place *object, tides_motion **motion, 
     tides_status status = td_place_open(object, "motion", &place);
     if (status) return status;
     status = read_motion(&place, motion, duration_s);
-    if (status == TIDES_BAD_ARGUMENT) status = TIDES_BAD_FILE; /* the file's fault */
+    if (status == TIDES_BAD_ARGUMENT) status = TIDES_BAD_FILE; /* the file caused it */
     if (status && place.error) place.error->status = status;
     if (status) {
         td_fail_within(place.error, status, "%s: %s", place.file, place.where);

@@ -1,10 +1,10 @@
-/* Means far from the coordinates' origin (georeferenced scans). In single precision R mean + t cancels: 1e5 away what is
- * left of a metre is 8 mm. So an object whose means lie far off, for how far they spread, keeps them relative to an origin
- * of its own near them, in double; its pose takes the origin up, also in double (td_pose_add_origin), and whatever is
- * computed in single precision stays small.
+/* Means far from the origin of coordinates (georeferenced scans). In single precision R mean + t cancels: 1e5 away, the last
+ * digit of a metre is 8 mm. So if an object's means are far off compared with their spread, they are stored relative to an
+ * origin near them. The origin is in double, and the object's pose includes it, also in double. Then all numbers in single
+ * precision stay small.
  *
- * Axis by axis: the median of the means, rounded to a multiple of a power of two that is no less than GRID spreads. A
- * number that round is subtracted from means in single precision without rounding. */
+ * On each axis the origin is the median of the means, rounded to a multiple of a power of two of at least GRID spreads. Such
+ * a round number is subtracted from means in single precision without an error. */
 #include "td_base.h"
 #include "td_math.h"
 #include "td_scene.h"
@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* FAR spreads away an object is moved: nearer, at most 4 of a mean's 24 bits are lost to its place, and the bits of
- * ordinary scenes stay what they are. GRID: a scene about (0, 0, 0) that was moved by a round number gets that number as
- * its origin, and so the very means that it had; it costs at most 2 bits. */
+/* A mean gets an origin only beyond FAR spreads. Nearer, the offset costs at most 4 of a mean's 24 bits, and ordinary scenes
+ * keep their bits. With GRID, a scene that was moved by a round number gets exactly this number as its origin, and so its
+ * original means. GRID costs at most 2 bits. */
 enum { SAMPLES = 4096, FAR = 16, GRID = 4 };
 
 double td_gaussians_mean(const td_gaussians *g, int64_t i, int axis) {
@@ -32,8 +32,7 @@ tides_status td_gaussians_widen(td_gaussians *g, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Median, and half the width that holds 90 % of the values, of `count` values, which are sorted; a few that strayed don't
- * count. */
+/* The median, and half the width that holds 90 % of the values, so that a few strays don't matter. Sorts `values`. */
 static void middle_of(double *values, size_t count, double *median, double *spread) {
     qsort(values, count, sizeof *values, td_ascending);
     const size_t cut = count / 20;
@@ -41,8 +40,8 @@ static void middle_of(double *values, size_t count, double *median, double *spre
     *spread = 0.5 * (values[count - 1 - cut] - values[cut]);
 }
 
-/* Where the means are, relative to the present origin, and how far they spread: no less than a splat is large, so that a
- * single one has a spread too. `values`: room for SAMPLES. */
+/* The middle of the means, relative to the present origin, and their spread, which is at least the size of a splat: so a
+ * single splat has one, too. `values`: room for SAMPLES. */
 static void find_middle(const td_gaussians *g, double *values, double median[3], double *spread) {
     const int64_t step = (g->count + SAMPLES - 1) / SAMPLES;
     const size_t count = (size_t)((g->count + step - 1) / step);
@@ -60,7 +59,7 @@ static void find_middle(const td_gaussians *g, double *values, double median[3],
     }
 }
 
-/* Means become single precision, relative to the origin moved by `shift`. */
+/* Converts means to single precision, relative to the origin moved by `shift`. */
 static void move_origin(td_gaussians *g, const double shift[3]) {
     for (int64_t i = 0; i < 3 * g->count; i++) {
         const double mean = g->mean_double ? g->mean_double[i] : (double)g->mean[i];
@@ -78,7 +77,7 @@ tides_status td_gaussians_recentre(td_gaussians *g, tides_error *error) {
     find_middle(g, values, median, &spread);
     free(values);
     int e;
-    const double part = frexp(GRID * spread, &e), grid = ldexp(1, part == 0.5 ? e - 1 : e); /* the power of 2 above */
+    const double part = frexp(GRID * spread, &e), grid = ldexp(1, part == 0.5 ? e - 1 : e); /* the next power of 2 */
     int any = g->mean_double != NULL;
     for (int axis = 0; axis < 3; axis++) {
         if (!(fabs(median[axis]) > FAR * spread)) continue;

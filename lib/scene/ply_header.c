@@ -1,4 +1,4 @@
-/* The header of a PLY file: text lines from "ply" to "end_header", whatever follows.
+/* Parses the header of any PLY file: text lines from "ply" to "end_header".
  *
  *     ply
  *     format binary_little_endian 1.0
@@ -8,7 +8,7 @@
  *     property list uchar int vertex_indices
  *     end_header
  *
- * Lines end in LF or CR LF. Nothing is trusted: every message names the line. */
+ * Lines end in LF or CR LF. All is checked, and each message names the line. */
 #include "td_base.h"
 #include "td_ply.h"
 #include "td_text.h"
@@ -18,7 +18,7 @@
 #include <string.h>
 #include <strings.h>
 
-enum { WORDS_MAX = 7 }; /* one more than the longest line, "comment Vertical axis: x y z", has */
+enum { WORDS_MAX = 7 }; /* one more than in the longest line, "comment Vertical axis: x y z" */
 
 /* One line, split at blanks. */
 typedef struct td_ply_line {
@@ -29,8 +29,8 @@ typedef struct td_ply_line {
 typedef struct parser {
     const td_ply_file *file;
     td_ply_header *header;
-    size_t at, number; /* byte and line of what is read next */
-    td_ply_line line;  /* the one just read; its number is number - 1 */
+    size_t at, number; /* byte and line to be read next */
+    td_ply_line line;  /* the current line, number - 1 */
     tides_error *error;
 } parser;
 
@@ -96,7 +96,7 @@ static tides_status next_line(parser *p) {
     return TIDES_OK;
 }
 
-/* Both spellings of each type are in use; 0 where `word` is neither. */
+/* Each type has two names in use; 0 if `word` is none of them. */
 static int type_of(td_ply_word word) {
     static const struct {
         const char *name;
@@ -128,7 +128,7 @@ static tides_status parse_format(parser *p) {
     return TIDES_OK;
 }
 
-/* Decimal digits only: strtoull would take "-1" for a very large number. */
+/* Reads decimal digits only: strtoull would take "-1" as a very large number. */
 static int parse_count(td_ply_word word, uint64_t *count) {
     uint64_t value = 0;
     for (size_t i = 0; i < word.length; i++) {
@@ -193,7 +193,7 @@ int td_ply_word_reads(td_ply_word word, const char *text) {
     return strlen(text) == word.length && strncasecmp(word.text, text, word.length) == 0;
 }
 
-/* 1 where the line's words from the second on begin with `names`, NULL at their end, in capitals or not. */
+/* 1 if the line's words from the second on begin with `names` (NULL-terminated), in any case. */
 static int comment_is(const td_ply_line *line, const char *const *names) {
     size_t i = 1;
     for (; names[i - 1]; i++)
@@ -201,8 +201,8 @@ static int comment_is(const td_ply_line *line, const char *const *names) {
     return 1;
 }
 
-/* "comment up x y z" is ours and "comment Vertical axis: x y z" Brush's; "comment Vertical Axis: z" is nerfstudio's, whose z is
- * up. For another single axis that comment is ignored: Brush writes y where it doesn't know. */
+/* Reads where up is: "comment up x y z" (TIDES), "comment Vertical axis: x y z" (Brush), or "comment Vertical Axis: z"
+ * (nerfstudio). Any other single axis is ignored, because Brush writes y if it doesn't know. */
 static tides_status parse_up(parser *p) {
     static const char *const ours[] = {"up", NULL}, *const theirs[] = {"Vertical", "axis:", NULL};
     const td_ply_line *line = &p->line;
@@ -219,7 +219,8 @@ static tides_status parse_up(parser *p) {
     return TIDES_OK;
 }
 
-/* Brush and splat-transform write "comment SplatRenderMode: mip", "default" or "2dgs", Postshot "comment antialiased 1". */
+/* Reads the training mode: "comment SplatRenderMode: mip", "default" or "2dgs" (Brush, splat-transform), or "comment
+ * antialiased 1" (Postshot). */
 static void parse_mode(parser *p) {
     static const char *const mode[] = {"SplatRenderMode:", NULL}, *const flag[] = {"antialiased", NULL};
     static const char plain[] = "default", compensated[] = "mip";
@@ -231,7 +232,7 @@ static void parse_mode(parser *p) {
     if (td_ply_word_is(line->words[2], "1")) p->header->mode = (td_ply_word){compensated, strlen(compensated)};
 }
 
-/* "comment ColourTransfer: linear" is ours, "srgb" and "gamma 2.2" too. */
+/* Reads how colours code light: "comment ColourTransfer: linear", "srgb" or "gamma 2.2", as TIDES writes. */
 static void parse_transfer(parser *p) {
     static const char *const name[] = {"ColourTransfer:", NULL};
     const td_ply_line *line = &p->line;
@@ -277,7 +278,7 @@ tides_status td_ply_header_parse(const td_ply_file *file, td_ply_header *header,
     return status;
 }
 
-/* Longer than any number that a program prints: not a number. */
+/* Longest text of a number that a program prints. */
 int td_ply_number(td_ply_word word, double *value) {
     char text[128], *end;
     if (word.length == 0 || word.length >= sizeof text) return 0;

@@ -1,4 +1,4 @@
-/* 3D Gaussian splatting scenes from PLY files: which property is which array.
+/* Reads 3D Gaussian splatting scenes from PLY files: assigns each property to an array.
  *
  * Element vertex holds one Gaussian per row, its properties found by name:
  *     x y z                 mean
@@ -8,10 +8,10 @@
  *     opacity               logit
  *     scale_0 .. scale_2    natural logarithms
  *     rot_0 .. rot_3        quaternion w x y z
- *     filter_3D             optional: mip-splatting's filter, folded in (mip_filter.c)
- * Comments say how it was trained and where up is (ply_header.c); so does filter_3D, which comes with compensated opacities.
- * Everything else (normals, colours, other elements) is skipped. Writers: INRIA, gsplat, nerfstudio, SuperSplat and others.
- * Compressed files are handed to ply_packed.c. */
+ *     filter_3D             optional: size of mip-splatting's smoothing filter, which is applied to scales and opacity
+ * Comments of the header say how the splats were trained and where up is. filter_3D implies training with compensated
+ * opacities. Everything else (normals, colours, other elements) is skipped. Writers: INRIA, gsplat, nerfstudio, SuperSplat
+ * and others. Compressed files have another reader. */
 #include "td_base.h"
 #include "td_ply.h"
 #include "td_scene.h"
@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Context of binding columns to properties. */
+/* State of assigning properties to arrays. */
 typedef struct binding {
     const td_ply_file *file;
     const td_ply_header *header;
@@ -31,7 +31,7 @@ typedef struct binding {
     tides_error *error;
 } binding;
 
-/* Other models that reuse the container: reading them as 3DGS would be silently wrong. */
+/* Refuses other models in the same container: read as 3DGS they would be silently wrong. */
 static tides_status check_kind(const binding *b) {
     static const struct {
         const char *property, *kind;
@@ -50,14 +50,14 @@ static tides_status check_kind(const binding *b) {
                    b->file->path, kind);
 }
 
-/* The property's number in vertex; b->vertex->properties where it isn't there. */
+/* Index of a property of vertex; b->vertex->properties if it doesn't exist. */
 static size_t find_property(const binding *b, const char *name) {
     size_t i = 0;
     while (i < b->vertex->properties && !td_ply_word_is(b->header->properties[b->vertex->first_property + i].name, name)) i++;
     return i;
 }
 
-/* Sends a property to array[at], array[at + stride] ...; a NULL array only makes sure that it could be sent somewhere. */
+/* Assigns a property to array[at], array[at + stride] ...; with a NULL array it only checks that the property exists. */
 static tides_status bind(const binding *b, const char *name, float *array, size_t at, size_t stride) {
     size_t found = find_property(b, name);
     if (found == b->vertex->properties)
@@ -75,7 +75,7 @@ static tides_status bind(const binding *b, const char *name, float *array, size_
     return TIDES_OK;
 }
 
-/* The degree that the number of f_rest_* properties stands for. */
+/* Finds the SH degree from the number of f_rest_* properties. */
 static tides_status find_sh_degree(const binding *b, int32_t *degree) {
     size_t count = 0;
     for (size_t i = 0; i < b->vertex->properties; i++) {
@@ -107,7 +107,7 @@ static tides_status bind_sh(const binding *b, const td_gaussians *g) {
     return status;
 }
 
-/* Whether the file says more of means than single precision holds: numbers of eight bytes, or as text. */
+/* 1 if means have more than single precision in the file: numbers of eight bytes, or text. */
 static int has_wide_means(const binding *b) {
     if (b->header->format == TD_PLY_ASCII) return 1;
     for (size_t axis = 0; axis < 3; axis++) {
@@ -128,7 +128,7 @@ static tides_status bind_wide_means(const binding *b, td_gaussians *g) {
 
 static int has_filter(const binding *b) { return find_property(b, "filter_3D") < b->vertex->properties; }
 
-/* Binds everything, or, where `g` has a degree but no arrays yet, makes sure that everything is there. */
+/* Assigns all properties. If `g` has a degree but no arrays yet, it only checks that all properties exist. */
 static tides_status bind_all(const binding *b, const td_gaussians *g, float *filter) {
     const struct {
         const char *name;
@@ -162,7 +162,7 @@ static tides_status read_rows(const binding *b) {
     return status;
 }
 
-/* Discs have two scales; all else that draws them is as a 3-D Gaussian's. */
+/* 1 for 2-D Gaussians (discs), which have two scales, and otherwise the properties of 3-D ones. */
 static int has_discs(const binding *b) {
     static const char *const both[] = {"opacity", "rot_3", "scale_0", "scale_1"};
     int found = find_property(b, "scale_2") == b->vertex->properties;
@@ -174,7 +174,7 @@ static tides_status check_discs(const binding *b) {
     return has_discs(b) ? td_splat_refuse_discs(b->file->path, b->error) : TIDES_OK;
 }
 
-/* Everything that the header alone can tell, before memory is asked for. */
+/* Checks all that the header shows, before memory is allocated. */
 static tides_status check_header(const binding *b, int32_t *degree) {
     tides_status status = check_kind(b);
     if (!status) status = check_discs(b);
@@ -227,7 +227,7 @@ static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
     return status;
 }
 
-/* 1 where `count` values lie from `least` to `most` and aren't all the same, which a scene made by hand may have. */
+/* 1 if all values lie from `least` to `most`, and differ (a hand-made scene may have equal ones). */
 static int lie_within(const float *values, size_t count, float least, float most) {
     int within = 1, differ = 0;
     for (size_t i = 0; i < count && within; i++) {
@@ -237,8 +237,8 @@ static int lie_within(const float *values, size_t count, float least, float most
     return within && differ;
 }
 
-/* Values that some write as they are used, and 3DGS as they are trained: nothing trained has all of its logits from 0 to 1, nor
- * splats that are all larger than the unit, by little. */
+/* Notes values that were activated, which 3DGS files don't have. In no trained scene do all logits lie from 0 to 1, or all
+ * splats slightly exceed the unit. */
 static tides_status note_activated(td_gaussians *g, tides_error *error) {
     enum { ENOUGH = 32 };
     const size_t count = (size_t)g->count;
@@ -256,7 +256,7 @@ static tides_status note_activated(td_gaussians *g, tides_error *error) {
     return status;
 }
 
-/* Takes the training mode from the comments, or from filter_3D where they have none. */
+/* Takes the training mode from the comments, or else from filter_3D. */
 static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
     const td_ply_word mode = b->header->mode;
     if (has_filter(b) || td_ply_word_reads(mode, "mip")) gaussians->trained = TIDES_TRAINED_ANTIALIASED;

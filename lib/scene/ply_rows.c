@@ -1,7 +1,7 @@
-/* The rows of one element of a PLY file, binary in either order or ASCII, into columns of floats.
+/* Reads the rows of one element of a PLY file, in binary of either byte order or in ASCII, into columns of floats.
  *
- * Each row is walked property by property, since a list makes its length its own. ASCII rows are lines, as the format
- * demands, so that a value too many or too few is found where it is; blank lines are skipped. */
+ * Rows are read property by property, since a list has its own length in each row. An ASCII row is a line, as the format
+ * demands, so a missing or superfluous value is reported at its line; blank lines are skipped. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_ply.h"
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Context of all functions here. */
+/* State of reading an element. */
 typedef struct reader {
     const td_ply_file *file;
     const td_ply_element *element;
@@ -30,9 +30,9 @@ static void store(const reader *r, size_t property, uint64_t row, double value) 
     if (column && column->wide) column->wide[row * column->stride] = value;
 }
 
-/* The least bytes that a row may take: lists may be empty, numbers one digit. */
+/* Least number of bytes in a row: lists may be empty, and numbers may have one digit. */
 static size_t least_row_bytes(const td_ply_property *properties, size_t count, int format) {
-    if (format == TD_PLY_ASCII) return 2 * count; /* a digit and a blank or line end each */
+    if (format == TD_PLY_ASCII) return 2 * count; /* each a digit and a blank or line end */
     size_t bytes = 0;
     for (size_t i = 0; i < count; i++)
         bytes += td_ply_type_bytes(properties[i].count_type ? properties[i].count_type : properties[i].type);
@@ -41,7 +41,7 @@ static size_t least_row_bytes(const td_ply_property *properties, size_t count, i
 
 tides_status td_ply_rows_fit(const td_ply_file *file, const td_ply_header *header, const td_ply_element *element,
                              const td_ply_cursor *cursor, tides_error *error) {
-    if (element->properties == 0) return TIDES_OK; /* rows without bytes */
+    if (element->properties == 0) return TIDES_OK; /* rows have no bytes */
     size_t row = least_row_bytes(header->properties + element->first_property, element->properties, header->format);
     size_t left = file->size - cursor->at;
     size_t usable = left + (header->format == TD_PLY_ASCII); /* the last line end may be missing */
@@ -101,7 +101,7 @@ static tides_status skip_binary_list(reader *r, size_t property, uint64_t row) {
         return td_fail(r->error, TIDES_BAD_FILE, "%s: byte %zu: list %s of row %llu has %.0f entries", r->file->path, r->at,
                        TD_PLY_QUOTE(list->name), (unsigned long long)row, length);
     r->at += size;
-    uint64_t bytes = (uint64_t)length * td_ply_type_bytes(list->type); /* below 2^32 times 8 */
+    uint64_t bytes = (uint64_t)length * td_ply_type_bytes(list->type); /* below 2^32 times 8: no overflow */
     if (r->file->size - r->at < bytes) return fail_truncated(r, property, row);
     r->at += (size_t)bytes;
     return TIDES_OK;
@@ -136,7 +136,7 @@ static td_ply_word next_word(const char **at, const char *end) {
     return word;
 }
 
-/* One number of property `i`, or a message: the line ends early, or holds something else. */
+/* Reads a number of property `i`. It fails if the line ends too early or has no number there. */
 static tides_status ascii_number(const reader *r, size_t i, const char **at, const char *end, double *value) {
     td_ply_word word = next_word(at, end);
     if (td_ply_number(word, value)) return TIDES_OK;
@@ -201,7 +201,7 @@ static tides_status read_ascii_rows(reader *r) {
 
 tides_status td_ply_rows_read(const td_ply_file *file, const td_ply_header *header, const td_ply_element *element,
                               const td_ply_column *columns, td_ply_cursor *cursor, tides_error *error) {
-    if (element->properties == 0) return TIDES_OK; /* rows without bytes, or blank lines */
+    if (element->properties == 0) return TIDES_OK; /* rows have no bytes, or are blank lines */
     tides_status status = td_ply_rows_fit(file, header, element, cursor, error);
     if (status) return status;
     reader r = {.file = file,

@@ -1,5 +1,4 @@
-/* A .ply file's vertices as columns by name, for the methods that add properties of their own to the splats'
- * (SpacetimeGaussians); plain splats are read by ply_reader.c. */
+/* Reads all vertices of a .ply file as columns by name, for methods that add their own properties (SpacetimeGaussians). */
 #include "scene/td_ply_table.h"
 
 #include "td_base.h"

@@ -1,6 +1,6 @@
-/* PLY files as INRIA's trainer writes them, so that every viewer reads them: binary_little_endian, all float, in the order
- * x y z nx ny nz f_dc_* f_rest_* opacity scale_* rot_*, normals 0, f_rest channel by channel. Means that single precision
- * can't hold, far from (0, 0, 0), are double. */
+/* Writes PLY files like INRIA's trainer, which every viewer reads: binary_little_endian, all float, in the order x y z nx ny
+ * nz f_dc_* f_rest_* opacity scale_* rot_*, with normals 0, and f_rest channel by channel. Means far from (0, 0, 0), which
+ * single precision can't hold, are double. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_math.h"
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* nx ny nz, sh, opacity, scale, rot, at the largest degree; and x y z */
+/* Floats of a row at the largest degree: nx ny nz, sh, opacity, scale, rot; and x y z. */
 enum { ROW_FLOATS_MAX = 6 + 3 * (TIDES_SH_DEGREE_MAX + 1) * (TIDES_SH_DEGREE_MAX + 1) + 1 + 3 + 4 };
 
 static void write_names(FILE *out, const char *stem, size_t count) {
@@ -40,7 +40,7 @@ static void write_header(FILE *out, const td_gaussians *g, int wide) {
     fprintf(out, "end_header\n");
 }
 
-/* Fills `row`, what follows the mean, and returns its length. A scale of 1 keeps every bit. */
+/* Fills `row` with all that follows the mean, and returns its length. A scale of 1 keeps every bit. */
 static size_t fill_row(float *row, const td_gaussians *g, size_t i, double scale) {
     size_t n = 0, coefficients = td_sh_coefficients(g->sh_degree);
     const float *sh = g->sh + i * coefficients * 3;
@@ -55,7 +55,7 @@ static size_t fill_row(float *row, const td_gaussians *g, size_t i, double scale
     return n;
 }
 
-/* Both return the bytes' end. */
+/* Both return the end of the bytes that they wrote. */
 static unsigned char *store_float(unsigned char *bytes, float value) {
     td_put_le_float(bytes, value);
     return bytes + sizeof value;
@@ -76,7 +76,7 @@ static unsigned char *store_mean(unsigned char *bytes, const td_gaussians *g, si
     return bytes;
 }
 
-/* 0 on the first failure, with errno saying why. */
+/* Writes all rows; returns 0 on the first failure, with the reason in errno. */
 static int write_rows(FILE *out, const td_gaussians *g, double scale, int wide) {
     float row[ROW_FLOATS_MAX];
     unsigned char bytes[4 * ROW_FLOATS_MAX + 3 * 8];
@@ -106,10 +106,9 @@ tides_status td_ply_write(const char *path, const td_gaussians *gaussians, doubl
     }
     int wide = !td_gaussians_fit_float(gaussians);
     write_header(out, gaussians, wide);
-    int written =
-        write_rows(out, gaussians, scale, wide) && !ferror(out); /* ferror: the header's lines weren't checked one by one */
+    int written = write_rows(out, gaussians, scale, wide) && !ferror(out); /* ferror: writes of the header weren't checked */
     int reason = errno;
-    if (fclose(out) != 0 && written) { /* the last buffer goes out here: a full disk may show no earlier */
+    if (fclose(out) != 0 && written) { /* writes the last buffer: a full disk may show only here */
         written = 0;
         reason = errno;
     }

@@ -1,5 +1,5 @@
-/* The object store behind tides_scene: sets of Gaussians, each with its trajectory, motion, scale and name. Everything that
- * enters is checked here, so that nothing later has to; files are read and written elsewhere. */
+/* The objects of a scene: sets of Gaussians, each with trajectory, motion, scale and name. All values are checked when they
+ * are added, so that later code need not check. */
 #include "camera/td_trajectory.h"
 #include "td_base.h"
 #include "td_folder.h"
@@ -40,7 +40,7 @@ void tides_scene_destroy(tides_scene *scene) {
     free(scene);
 }
 
-/* There is a way on without them. */
+/* Adds to the error that bad Gaussians can be left out. */
 static tides_status suggest_drop(tides_status status, int32_t drop, tides_error *error) {
     const tides_error why = error ? *error : (tides_error){TIDES_OK, ""};
     if (status != TIDES_BAD_FILE) return status;
@@ -49,7 +49,7 @@ static tides_status suggest_drop(tides_status status, int32_t drop, tides_error 
                             : "scene.invalid = drop (tides convert --drop-invalid) leaves such Gaussians out");
 }
 
-/* Checks or drops the Gaussians as `drop` of a scene's options says, and counts those that are left out. */
+/* Checks the Gaussians, or leaves out invalid ones: `drop` is the scene's option. Left-out ones are counted in `*dropped`. */
 static tides_status object_check(td_gaussians *gaussians, double scale, const char *source, int32_t drop, int64_t *dropped,
                                  tides_error *error) {
     if (!(scale > 0 && scale <= FLT_MAX))
@@ -71,7 +71,7 @@ static tides_status object_fill(td_object *object, td_gaussians *gaussians, cons
     return object->name && object->source ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-/* Takes the notes on a file over as lines of the scene, which begin with the file's name. */
+/* Moves the notes on a file to the scene, each line beginning with the file's name. */
 static tides_status take_notes(tides_scene *scene, td_gaussians *gaussians, const char *source, tides_error *error) {
     tides_status status = TIDES_OK;
     for (char *line = gaussians->notes, *end; line && status == TIDES_OK; line = end) {
@@ -85,8 +85,8 @@ static tides_status take_notes(tides_scene *scene, td_gaussians *gaussians, cons
 
 static int32_t is_direction(const double v[3]) { return fabs(v[0]) > 0 || fabs(v[1]) > 0 || fabs(v[2]) > 0; }
 
-/* Assumes sRGB for a file that doesn't give the transfer of its colours: splats are trained on pictures, and keep their coding.
- * In our own format, which gives it since December 2026, a missing transfer is only guessed to be sRGB, and a note says so. */
+/* Assumes sRGB for a file that doesn't say how colours code light, because splats are trained on pictures and keep their
+ * coding. TIDES's own format says it since December 2026; for older files a note says that sRGB is assumed. */
 static tides_status assume_transfer(td_gaussians *gaussians, const char *source, tides_error *error) {
     if (!source || gaussians->says_transfer) return TIDES_OK;
     gaussians->transfer = TIDES_TRANSFER_SRGB;
@@ -111,7 +111,7 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
     status = object_check(gaussians, scale, source, scene->drop, &dropped, error);
     if (status == TIDES_OK) status = object_fill(&object, gaussians, trajectory, scale, name ? name : numbered, source, error);
     if (status) {
-        object_free(&object); /* its gaussians are still the caller's: `object` has none yet */
+        object_free(&object); /* its Gaussians still belong to the caller */
         return name ? td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name)
                     : td_fail_within(error, status, "%s", numbered);
     }
@@ -137,7 +137,7 @@ tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussian
     tides_status status = td_gaussians_copy(&copy, gaussians, error);
     if (status) return td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name ? name : "");
     status = td_scene_take(scene, &copy, trajectory, scale, name, NULL, index, error);
-    td_gaussians_free(&copy); /* empty where it was taken */
+    td_gaussians_free(&copy); /* empty if the scene took it */
     return status;
 }
 
@@ -192,7 +192,7 @@ tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_o
     return TIDES_OK;
 }
 
-/* The object's pose where its path begins; no path: the identity. */
+/* The object's pose at the beginning of its path; the identity without a path. */
 static void pose_at_start(const td_object *object, tides_pose *pose) {
     static const tides_pose identity = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     *pose = identity;

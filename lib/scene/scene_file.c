@@ -1,5 +1,4 @@
-/* Scene files: the reader for a file's content, and the writer for a file's ending. The meaning of the bytes is in each
- * format's own file. */
+/* Reads and writes scene files: finds the reader from a file's content, and the writer from its ending. */
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_kinds.h"
@@ -28,10 +27,10 @@ static tides_status add_model(tides_scene *scene, const char *path, const tides_
     return status;
 }
 
-/* The file's start: what detection looks at. */
+/* The start of a file, from which its format is detected. */
 typedef struct beginning {
     const char *file;
-    int folder; /* 1: no file, and nothing below is known */
+    int folder; /* 1: a folder, so nothing below is set */
     unsigned char bytes[TD_KSPLAT_START];
     size_t got;
     uint64_t size;
@@ -42,6 +41,7 @@ static int is_ply(const beginning *b) {
 }
 
 static int is_lcc(const beginning *b) { return !b->folder && td_lcc_is(b->file); }
+static int is_lcc2(const beginning *b) { return !b->folder && td_lcc2_is(b->file); }
 static int is_splatv(const beginning *b) { return td_splatv_is(b->bytes, b->got); }
 static int is_spz(const beginning *b) { return td_spz_is(b->bytes, b->got); }
 
@@ -53,13 +53,13 @@ static int is_hdf5(const beginning *b) {
     return found > 0;
 }
 
-/* A .ksplat has no magic number and a .splat not even a header, so that their names count too. */
+/* .ksplat has no magic number and .splat not even a header, so their endings count, too. */
 static int is_ksplat(const beginning *b) { return td_ksplat_is(b->bytes, b->got, b->size) || td_ends_in(b->file, ".ksplat"); }
 static int is_splat(const beginning *b) { return td_ends_in(b->file, ".splat"); }
 
 static int is_sog(const beginning *b) { return b->got >= 4 && memcmp(b->bytes, "PK\3\4", 4) == 0 && td_sog_is_zip(b->file); }
 
-/* 1 for a folder with a file of that name. */
+/* 1 if the path is a folder that holds a file of this name. */
 static int holds(const beginning *b, const char *name) {
     char *file = b->folder ? td_format(NULL, "%s/%s", b->file, name) : NULL;
     const int found = file && td_is_file(file);
@@ -74,7 +74,7 @@ static int is_gltf(const beginning *b) {
     return (b->got >= 4 && memcmp(b->bytes, "glTF", 4) == 0) || (!b->folder && td_ends_in(b->file, ".gltf"));
 }
 
-/* The beginning of the file that Git leaves in place of a large file that it hasn't fetched. */
+/* The beginning of a Git LFS pointer, which stands in for a large file that Git hasn't fetched. */
 static const char pointer[] = "version https://git-lfs";
 static int is_pointer(const beginning *b) {
     return b->got >= sizeof pointer - 1 && memcmp(b->bytes, pointer, sizeof pointer - 1) == 0;
@@ -84,17 +84,17 @@ static tides_status refuse_pointer(const char *path, td_gaussians *gaussians, ti
     return td_kind_refuse(path, TD_WANTS_SCENE, error);
 }
 
-/* Writes the Gaussians of one object at rest. */
+/* A function that writes the Gaussians of one object at rest. */
 typedef tides_status (*writer)(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
 
-/* One row per format, surest sign first: all that lists them is made of it. Without a summary it is none, but stands in the
- * place of all of them; without a reader it is TIDES's own, which holds everything. */
+/* One row per format, those with the surest signs first; all lists of formats come from it. A row without a summary isn't a
+ * format, but a file that stands in for one. A row without a reader is TIDES's own format, which stores everything. */
 static const struct format {
     int (*is)(const beginning *b);
     td_scene_reader with;
     writer write;
     const char *endings, *summary;
-    int32_t losses; /* TIDES_LOSES_* */
+    int32_t losses; /* TIDES_LOSES_*: facts that the format can't store */
 } formats[] = {
     {is_pointer, {.read = refuse_pointer}, NULL, "", NULL, 0},
     {is_ply, {.parse = td_ply_parse}, td_ply_write, ".ply", "3DGS by property name; compressed too", 0},
@@ -115,6 +115,7 @@ static const struct format {
     {is_sog_folder, {.read = td_sog_read_folder}, NULL, "meta.json", "unpacked SOG, or its folder", 0},
     {is_splatv, {.moving = td_splatv_parse}, NULL, ".splatv", "splaTV's SpacetimeGaussians", 0},
     {is_lcc, {.choose = td_lcc_read}, NULL, ".lcc", "XGRIDS' LCC, with the .bin files beside it", 0},
+    {is_lcc2, {.choose = td_lcc2_read}, NULL, ".lcc2", "XGRIDS' LCC2, with the .sog, .spz or .ply files below it", 0},
     {is_hdf5, {.parse = NULL}, NULL, ".h5", "TIDES's own, which holds everything", 0},
     {is_ksplat, {.parse = td_ksplat_parse}, NULL, ".ksplat", "mkkellogg's", 0},
     {is_splat,
@@ -140,7 +141,7 @@ int32_t tides_scene_format_at(size_t index, tides_scene_format *format) {
     return 0;
 }
 
-/* "a, b or c": the first endings of all formats, or of those that are written. */
+/* Lists the first endings of all formats, or of those with a writer: "a, b or c". */
 enum { LIST = 256 };
 static const char *list_formats(int written, char text[LIST]) {
     size_t used = 0, last = 0;
@@ -157,7 +158,7 @@ static const char *list_formats(int written, char text[LIST]) {
     return text;
 }
 
-/* Index into `formats`; FORMATS where the content is none of them. */
+/* Index into `formats`; FORMATS if the content is unknown. */
 static size_t format_of(const beginning *b) {
     size_t i = 0;
     while (i < FORMATS && !formats[i].is(b)) i++;
@@ -230,7 +231,7 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     return tides_scene_read(scene, file, NULL, trajectory, scale, error);
 }
 
-/* The ending, of those that a format has, which the name has; NULL: none. */
+/* The ending of the name, if it is one of the format's; otherwise NULL. */
 static const char *ending_of(const char *file, const struct format *format, char ending[32]) {
     for (const char *at = format->endings; *at; at += strcspn(at, " "), at += *at == ' ') {
         snprintf(ending, 32, "%.*s", (int)strcspn(at, " "), at);
@@ -239,7 +240,7 @@ static const char *ending_of(const char *file, const struct format *format, char
     return NULL;
 }
 
-/* A format that holds the Gaussians of one object at rest. */
+/* Saves to a format that stores the Gaussians of one object at rest. */
 static tides_status save_one(const tides_scene *scene, const char *file, writer write, const char *ending, tides_error *error) {
     if (scene->count > 1)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: a %s holds one object and the scene has %zu: save it as .h5", file,
@@ -251,7 +252,7 @@ static tides_status save_one(const tides_scene *scene, const char *file, writer 
     if (object->motion)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: a %s has no place for the motion of '%.80s': save it as .h5", file,
                        ending, object->name);
-    td_gaussians gaussians = object->gaussians; /* the arrays stay the object's */
+    td_gaussians gaussians = object->gaussians; /* a view: the arrays still belong to the object */
     tides_scene_up(scene, gaussians.up);
     return write(file, &gaussians, object->scale, error);
 }
@@ -263,7 +264,7 @@ tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_
     for (size_t i = 0; i < FORMATS; i++) {
         const int written = formats[i].summary && (formats[i].write || is_own(&formats[i]));
         if (!written || !ending_of(file, &formats[i], ending)) continue;
-        if (formats[i].write && strncmp(formats[i].endings, ending, strlen(ending)) == 0) /* .gltf is only read */
+        if (formats[i].write && strncmp(formats[i].endings, ending, strlen(ending)) == 0) /* .gltf can't be written */
             return save_one(scene, file, formats[i].write, ending, error);
         if (is_own(&formats[i])) return td_scene_hdf5_write(scene, file, error);
     }

@@ -1,14 +1,14 @@
-/* TIDES's own scene file, HDF5, read. Version 2 of the layout (1 has no motion, and is still written where there's none):
+/* Reads TIDES's own scene file (HDF5). Layout version 2; version 1 has no motion, and is still written if there is none:
  *
  *     /                        attributes  format        text   "tides-scene"
  *                                          version       int    1 or 2
  *                                          tides_version text   of the writer; for people
  *                                          objects       int    number of objects, >= 1
- *                              datasets    up            double (3), which way; not where nobody says it
+ *                             datasets    up            double (3): direction of up; absent if unknown
  *     /objects/0, 1, 2 ...     attributes  name, source  text   as in tides_object
  *                                          scale         double
  *                                          sh_degree     int    0..4; K = (sh_degree + 1)^2
- *                                          trained       text   "plain", "antialiased" or "mixed"; not where nobody says it
+ *                                         trained       text   "plain", "antialiased" or "mixed"; absent if unknown
  *                              datasets    mean          float  (N x 3)
  *                                          log_scale     float  (N x 3)
  *                                          quaternion    float  (N x 4)      wxyz, raw
@@ -25,11 +25,11 @@
  *                                          start, stop   double [own time]
  *                                          duration_s    double [s]
  *     /objects/0/motion/settings  attributes  a double each
- *     /objects/0/motion/fields    datasets    float, 1 to 4 dimensions; names and shapes are the model's (lib/motion)
+ *    /objects/0/motion/fields    datasets    float, 1 to 4 dimensions; each motion model has its own names and shapes
  *
- * Units and meanings are those of tides/scene.h and tides/trajectory.h. Reading takes any width and order of floating-point
- * numbers, texts of fixed and variable length (we write fixed), and datasets that are chunked or compressed: files made with
- * h5py work. Unknown attributes and datasets are left alone; what a reader can't do without raises `version`. */
+ * Units and meanings are those of tides/scene.h and tides/trajectory.h. Floating-point numbers may have any width and byte
+ * order, texts fixed or variable length (TIDES writes fixed), and datasets may be chunked or compressed: files from h5py
+ * work. Unknown attributes and datasets are ignored. An addition that readers must not ignore raises `version`. */
 #include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "archive/td_h5_place.h"
@@ -51,7 +51,7 @@ static tides_status expect_shape(const td_place *place, const char *name, int ra
     return status;
 }
 
-/* All five datasets agree on N, and sh with the degree: checked before memory is asked for. */
+/* Checks that the five datasets agree on N, and sh with the degree, before memory is allocated. */
 static tides_status check_shapes(const td_place *place, int32_t *degree, uint64_t *count) {
     uint64_t n[TD_PLACE_RANK_MAX];
     tides_status status = td_place_read_int(place, "sh_degree", degree);
@@ -82,7 +82,7 @@ static tides_status read_means(const td_place *place, td_gaussians *made) {
 
 const char *const td_trained_names[] = {"", "plain", "antialiased", "mixed"};
 
-/* Files before 2026 haven't got it. */
+/* Reads how the splats were trained; files from before 2026 don't say it. */
 static tides_status read_trained(const td_place *place, int32_t *trained) {
     char *text = NULL;
     if (H5Aexists(place->id, "trained") <= 0) return TIDES_OK;
@@ -96,7 +96,7 @@ static tides_status read_trained(const td_place *place, int32_t *trained) {
     return status;
 }
 
-/* Files before December 2026 haven't got it. */
+/* Reads how colours code light; files from before December 2026 don't say it. */
 static tides_status read_transfer(const td_place *place, td_gaussians *made) {
     char *text = NULL, where[300];
     if (H5Aexists(place->id, "colour_transfer") <= 0) return TIDES_OK;
@@ -130,7 +130,7 @@ static tides_status read_gaussians(const td_place *place, td_gaussians *gaussian
 
 /* -- trajectories -- */
 
-/* Fills `width` doubles of each sample, `offset` bytes into it. */
+/* Fills `width` doubles in each sample, at byte `offset`. */
 static tides_status read_column(const td_place *place, const char *name, uint64_t count, size_t width, size_t offset,
                                 tides_pose_sample *samples) {
     tides_status status = expect_shape(place, name, width > 1 ? 2 : 1, (uint64_t[]){count, width});
@@ -157,7 +157,7 @@ static tides_status read_samples(const td_place *place, uint64_t count, tides_po
     return status;
 }
 
-/* `*trajectory` stays NULL where the object is at rest. */
+/* Reads the object's path; `*trajectory` stays NULL for an object at rest. */
 static tides_status read_trajectory(const td_place *object, tides_trajectory **trajectory) {
     if (!td_place_has(object, "trajectory")) return TIDES_OK;
     td_place place;
@@ -172,7 +172,7 @@ static tides_status read_trajectory(const td_place *object, tides_trajectory **t
     }
     if (!status) {
         status = tides_trajectory_create(samples, (size_t)count[0], trajectory, place.error);
-        if (status == TIDES_BAD_ARGUMENT) status = TIDES_BAD_FILE; /* bad samples are this file's fault */
+        if (status == TIDES_BAD_ARGUMENT) status = TIDES_BAD_FILE; /* bad samples come from the file */
         if (status && place.error) place.error->status = status;
         if (status) td_fail_within(place.error, status, "%s: %s", place.file, place.where);
     }
@@ -183,7 +183,7 @@ static tides_status read_trajectory(const td_place *object, tides_trajectory **t
 
 /* -- objects -- */
 
-/* How the caller moves the whole; `trajectory` NULL and `scale` 1 leave it in place. */
+/* How the caller moves the whole file; `trajectory` NULL and `scale` 1 leave it in place. */
 typedef struct placement {
     const tides_trajectory *trajectory;
     double scale;
@@ -222,7 +222,7 @@ static tides_status read_object(tides_scene *scene, const td_place *place, const
     if (!status) status = read_gaussians(place, &gaussians);
     if (!status) status = td_motion_hdf5_read(place, &motion, &duration_s);
     const int32_t drop = scene->drop;
-    if (motion) scene->drop = -1; /* its rows are theirs */
+    if (motion) scene->drop = -1; /* the motion has a row for each Gaussian, so none may be left out */
     if (!status) status = take_object(scene, place, moved, &gaussians, own, scale);
     scene->drop = drop;
     if (!status && motion) {
@@ -230,15 +230,16 @@ static tides_status read_object(tides_scene *scene, const td_place *place, const
         if (status)
             td_fail_within(place->error, status, "%s: %s", place->file, place->where);
         else
-            motion = NULL; /* the scene's now */
+            motion = NULL; /* it belongs to the scene now */
     }
-    td_gaussians_free(&gaussians); /* empty where it was taken */
+    td_gaussians_free(&gaussians); /* empty if the scene took it */
     tides_trajectory_destroy(own);
     tides_motion_destroy(motion);
     return status;
 }
 
-/* Whether the object is the part that is wanted: by its name, or else its number. `*named` is set by the first of that name. */
+/* Decides if the object is the wanted part: by its name, or else by its number. The first object with that name sets
+ * `*named`. */
 static tides_status is_part(const tides_scene *scene, const td_place *object, const char *number, int *named, int *wanted) {
     char *name = NULL;
     *wanted = 1;
@@ -293,7 +294,7 @@ static tides_status check_version(const td_place *root) {
                    (int)version, tides_version(), TD_SCENE_HDF5_VERSION);
 }
 
-/* Where nothing said it yet; of what is moved as a whole it's another one. */
+/* Takes the up direction, if the scene has none yet. A file that is moved as a whole has lost its own. */
 static tides_status read_up(tides_scene *scene, const td_place *root, const placement *moved) {
     double up[3];
     if (moved->trajectory || tides_scene_up(scene, up) || !td_place_has(root, "up")) return TIDES_OK;
@@ -312,7 +313,7 @@ static tides_status read_file(tides_scene *scene, const char *path, const placem
     tides_status status = check_version(&root);
     if (!status) status = read_objects(scene, &root, moved);
     if (!status) status = read_up(scene, &root, moved);
-    if (status) td_scene_truncate(scene, before); /* all of the file's objects, or none */
+    if (status) td_scene_truncate(scene, before); /* adds all of the file's objects, or none */
     H5Fclose(root.id);
     return status;
 }

@@ -1,7 +1,7 @@
-/* TIDES's own scene file, HDF5, written; the layout is documented in scene_hdf5.c.
+/* Writes TIDES's own scene file (HDF5).
  *
- * The file is built in memory and written in one go: when a write to disk fails, HDF5 can neither close its file nor free it,
- * and complains on stderr when the program ends. The price is memory for two copies of the scene meanwhile. */
+ * The file is built in memory and then written at once. When a write to the disk fails, HDF5 can neither close the file nor
+ * free it, and prints errors when the program ends. The price is memory for two copies of the scene. */
 #include "td_base.h"
 #include "archive/td_h5_place.h"
 #include "td_scene.h"
@@ -15,7 +15,7 @@ static tides_status fail_write(const td_place *root) {
     return td_fail(root->error, TIDES_NO_MEMORY, "%s: the file's image can't be made: out of memory?", root->file);
 }
 
-/* With the origin: in double where single precision can't hold that. */
+/* Writes means with the origin added, in double if single precision can't hold that. */
 static tides_status write_means(const td_place *place, const td_gaussians *g) {
     const hid_t stored = td_gaussians_fit_float(g) ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
     const uint64_t shape[] = {(uint64_t)g->count, 3};
@@ -44,7 +44,7 @@ static tides_status write_gaussians(const td_place *place, const td_gaussians *g
     return status;
 }
 
-/* `width` doubles of each sample, `offset` bytes into it. */
+/* Writes `width` doubles of each sample, taken from byte `offset`. */
 static tides_status write_column(const td_place *place, const char *name, const tides_pose_sample *samples, size_t count,
                                  size_t width, size_t offset) {
     double *values = td_alloc(count, width * sizeof *values, place->error);
@@ -57,7 +57,7 @@ static tides_status write_column(const td_place *place, const char *name, const 
 }
 
 static tides_status write_samples(const td_place *place, const tides_pose_sample *samples, size_t count) {
-    int rates = 1; /* a path has them only where all samples do */
+    int rates = 1; /* a path has rates only if all samples do */
     for (size_t i = 0; i < count; i++) rates = rates && samples[i].has_rates;
     tides_status status = write_column(place, "time", samples, count, 1, offsetof(tides_pose_sample, time));
     if (!status) status = write_column(place, "position", samples, count, 3, offsetof(tides_pose_sample, position));
@@ -130,11 +130,11 @@ static tides_status write_root(const td_place *root, const tides_scene *scene) {
     return status ? status : write_objects(root, scene);
 }
 
-/* A file that lives in memory only; negative on failure. HDF5 opens a file on the disk of that name, even a FIFO without a
- * reader. Nothing can lie below a plain file, so this name is free. */
+/* Creates a file that exists only in memory; negative on failure. HDF5 would open an existing file of its name, even a FIFO
+ * without a writer. No file can exist below the plain file /dev/null, so this name is free. */
 static hid_t create_in_memory(void) {
     static const char name[] = "/dev/null/scene";
-    enum { GROW_BY = 1 << 20 }; /* bytes; grown in place, and rounded off again by get_image */
+    enum { GROW_BY = 1 << 20 }; /* bytes; get_image cuts off the rest */
     hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = H5I_INVALID_HID;
     if (access >= 0 && H5Pset_fapl_core(access, GROW_BY, 0) >= 0) file = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
     if (access >= 0) H5Pclose(access);

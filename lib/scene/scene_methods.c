@@ -1,4 +1,4 @@
-/* Trained models as scenes: one reader per method, chosen by what model_dir.c found. */
+/* Adds trained models to a scene: one reader per method. */
 #include "scene/td_method_arrays.h"
 #include "scene/td_method_networks.h"
 #include "td_base.h"
@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Reads what model_dir.c found; as td_scene_add_model. */
+/* Reads a recognised model into a scene. */
 typedef tides_status reader(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
                             tides_error *error);
 
-/* The folder's name is the object's, where it has one. */
+/* The object's name: that of the folder, if it has one. */
 static const char *name_of(const td_model_dir *dir, const char *otherwise) {
     const char *name = td_base_name(dir->folder);
     return name[0] && strcmp(name, ".") != 0 && strcmp(name, "..") != 0 ? name : otherwise;
@@ -37,7 +37,7 @@ static tides_status read_gsplat(tides_scene *scene, const td_model_dir *dir, con
     return status;
 }
 
-/* Gaussians and their motion, as one object. */
+/* Opens a model as Gaussians and their motion, which become one object. */
 typedef tides_status opener(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 
 static tides_status add_moving(tides_scene *scene, const td_model_dir *dir, opener *open, const tides_trajectory *trajectory,
@@ -51,7 +51,7 @@ static tides_status add_moving(tides_scene *scene, const td_model_dir *dir, open
     return td_scene_take_moving(scene, &gaussians, motion, trajectory, scale, name_of(dir, "model"), source, error);
 }
 
-/* How each method is read: by a reader of its own, or by what opens its Gaussians and their motion. */
+/* How each method is read: by its own reader, or by a function that opens Gaussians and motion. */
 static const struct {
     reader *read;
     opener *open;

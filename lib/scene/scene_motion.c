@@ -1,13 +1,14 @@
-/* Objects whose Gaussians move by themselves: adding them to a scene, how long their motions last, and how many of them
- * move. The models are lib/motion's. */
+/* Objects whose Gaussians move by themselves: adds them to a scene, and tells how long their motions last and how many
+ * Gaussians move. */
 #include "motion/td_motion.h"
 #include "td_scene.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Whether a motion's numbers hold for means about (0, 0, 0) only: a network that turns each about it (Deformable-3DGS's
- * screws), or a decoder that takes the camera's place as an input. Others see the origin added where it matters to them. */
+/* 1 if a motion's numbers hold only for means near (0, 0, 0): a network that rotates each mean about that point
+ * (Deformable-3DGS), or a decoder with the camera's position as an input. For other motions the origin of means is added
+ * where it matters. */
 static int is_absolute(const tides_motion *motion) {
     return td_motion_setting(motion, "decoder", 0) != 0 || td_motion_field(motion, "branch_w.weight");
 }
@@ -64,7 +65,7 @@ static int64_t count_moving(const tides_motion *motion, const tides_gaussians *g
     return count;
 }
 
-/* Means in double first become what a scene makes of them. */
+/* The number of Gaussians that move. Means in double are first converted as a scene converts them. */
 int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians) {
     td_gaussians own;
     if (!gaussians->mean_double) return count_moving(motion, gaussians);
@@ -86,7 +87,7 @@ tides_status td_scene_take_moving(tides_scene *scene, td_gaussians *gaussians, t
                                   const tides_trajectory *trajectory, double scale, const char *name, const char *source,
                                   tides_error *error) {
     const int32_t drop = scene->drop;
-    scene->drop = -1; /* the motion's rows are theirs */
+    scene->drop = -1; /* the motion has a row for each Gaussian, so none may be left out */
     tides_status status = td_scene_take(scene, gaussians, trajectory, scale, name, source, NULL, error);
     scene->drop = drop;
     if (!status) {

@@ -1,15 +1,15 @@
-/* An orbit that shows a scene nobody has a camera path for: round a thing, or in a place.
+/* Finds an orbit for a scene without a camera path: around an object, or inside a place.
  *
- * A trained scene has strays far out, so that nothing here is a box or a mean of all. Distances from the median tell a thing
- * from a place: a thing ends (guitar, playbot, a plant: 99 % of it are within 1.2 to 1.3 times the radius of 90 %), while what
- * is seen behind a capture goes on and on (garden's points, cut to what is near by who published them: 1.5).
+ * A trained scene has strays far out, so bounding boxes and means are useless here. Distances from the median tell an object
+ * from a place. An object ends: of guitar, playbot and a plant, 99 % lie within 1.2 to 1.3 times the radius of 90 %. The
+ * background of a capture of a place goes on: 1.5 for garden, even after its publisher removed far points.
  *
- * Of a thing 99 % are shown, from the least distance at which all of that is within the image from every side: each Gaussian
- * says in closed form how near the camera may come. A radius alone left a guitar's neck out, and half of the image empty.
+ * Of an object 99 % are shown, from the least distance at which all these fit into the image from every side. Each Gaussian
+ * gives its least distance in closed form. One radius for all left out a guitar's neck, and half of the image was empty.
  *
- * In a place the camera goes where the photographer went, for there it is free: garden's stood 1.05 to 1.23 from the median,
- * and half of its points are nearer than 1.22. From where all of it would fit into the image one sees its outside, and at
- * twice that distance the inside of a hedge. */
+ * In a place the camera goes where the photographer went, because there space is free. For garden that was 1.05 to 1.23 from
+ * the median, and half of its points are nearer than 1.22. A distance at which all fits into the image would show the place
+ * from outside; at twice this distance the camera is inside a hedge. */
 #include "camera/td_rotation.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -19,14 +19,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES = 65536 };               /* Gaussians that are looked at; quantiles of so many are good to half a percent */
-static const double faint_logit = -3.0; /* opacity 0.05: haze, which is everywhere */
+enum { SAMPLES = 65536 };               /* Gaussians that are sampled; quantiles are then good to half a percent */
+static const double faint_logit = -3.0; /* opacity 0.05: fainter ones are haze, which is everywhere */
 static const double all = 0.99, most = 0.9, half = 0.5; /* quantiles of the distance */
-static const double ends = 1.45;   /* ratio of the first two at most where it is a thing; of a normal distribution it is 1.35 */
-static const double margin = 1.05; /* room round it, for what Gaussians reach beyond their means */
-static const double raised = 0.35; /* the camera stands 20 degrees above the middle */
-static const double turn_s = 12.0; /* [s] */
-static const double flat = 0.5;    /* of the narrower of the other two: the ground of a scene with z up */
+static const double ends = 1.45;   /* largest ratio of the first two for an object; 1.35 for a normal distribution */
+static const double margin = 1.05; /* space around it, since Gaussians extend beyond their means */
+static const double raised = 0.35; /* the camera is 20 degrees above the middle */
+static const double turn_s = 12.0; /* [s] for one turn */
+static const double flat = 0.5;    /* z is up if the scene's height is below this part of its smaller width */
 static const double two_pi = 6.28318530717958647692;
 
 typedef struct survey {
@@ -34,7 +34,7 @@ typedef struct survey {
     size_t count;
 } survey;
 
-/* Every step-th Gaussian of an object that isn't faint, in the world. */
+/* Adds every step-th Gaussian of an object that isn't faint, in world coordinates. */
 static tides_status add_object(survey *s, const td_object *object, int64_t step, tides_error *error) {
     const td_gaussians *g = &object->gaussians;
     tides_pose pose = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
@@ -73,8 +73,8 @@ static double quantile(const double *sorted, size_t count, double fraction) {
     return sorted[(size_t)(fraction * (double)(count - 1) + 0.5)];
 }
 
-/* Up as trainers on photographs have it: y down, as in their cameras. Where the scene has a floor across z, and far less along
- * it, z is up, as nerfstudio turns scenes. */
+/* Guesses where up is. Trainers on photographs have y down, as in their cameras. If the scene is wide in x and y but flat in
+ * z, z is up, as in nerfstudio's scenes. */
 static void guess_up(const double width[3], double up[3]) {
     const double narrower = fmin(width[0], width[1]);
     const int z_up = width[2] < flat * narrower && fmax(width[0], width[1]) < narrower / flat;
@@ -83,7 +83,7 @@ static void guess_up(const double width[3], double up[3]) {
     up[2] = z_up ? 1 : 0;
 }
 
-/* The median, and the widths [scene units] that hold 80 % along each axis. Uses s->distance. */
+/* The median, and the widths [scene units] that hold 80 % along each axis. Overwrites s->distance. */
 static void find_middle(survey *s, double width[3], double middle[3]) {
     for (int axis = 0; axis < 3; axis++) {
         memcpy(s->distance, s->at[axis], s->count * sizeof *s->distance);
@@ -98,7 +98,7 @@ static double distance_from(const survey *s, const double middle[3], size_t i) {
     return td_length3(away);
 }
 
-/* Leaves in the survey what is within `reach` of the middle, and moves that into the middle of its box. */
+/* Keeps only the samples within `reach` of the middle, and moves the middle to the centre of their box. */
 static void keep_within(survey *s, double reach, double middle[3]) {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     size_t kept = 0;
@@ -115,8 +115,8 @@ static void keep_within(survey *s, double reach, double middle[3]) {
     for (int axis = 0; axis < 3; axis++) middle[axis] = 0.5 * (lower[axis] + upper[axis]);
 }
 
-/* Cylindrical coordinates about the axis through the target, in place of the first two of the survey: how high above the
- * target, and how far from the axis. 0 where `up` is no direction, which the path says. */
+/* Replaces the survey's first two coordinates by cylindrical ones about the axis through the target: height above it, and
+ * distance from the axis. 0 if `up` is no direction, which the path's constructor reports. */
 static int turn_upright(survey *s, const tides_orbit *orbit) {
     const double *up = orbit->up, length = td_length3(up);
     for (size_t i = 0; i < s->count && length > 0; i++) {
@@ -129,9 +129,10 @@ static int turn_upright(survey *s, const tides_orbit *orbit) {
     return length > 0;
 }
 
-/* How far from the target the camera must be for what is `high` above it and `out` from the axis to be in the image all the way
- * round, in its rows or in its columns. At an angle a from the camera's side that is out sin(a) beside the optical axis, above
- * it by high c - out cos(a) s, and nearer than the target by high s + out cos(a) c. */
+/* Least distance of the camera from the target at which a point stays in the image all the way round. It is `high` above the
+ * target and `out` from the axis; one function for rows, one for columns. When the point is at angle a from the camera's
+ * side, it is out sin(a) beside the optical axis, high c - out cos(a) s above it, and nearer than the target by high s + out
+ * cos(a) c. */
 static double nearest_in_rows(double high, double out, double tangent) {
     const double c = 1 / sqrt(1 + raised * raised), s = raised * c;
     const double front = fabs(high * c - out * s) / tangent + out * c, back = fabs(high * c + out * s) / tangent - out * c;
@@ -140,7 +141,7 @@ static double nearest_in_rows(double high, double out, double tangent) {
 
 static double nearest_in_columns(double high, double out, double tangent) {
     const double c = 1 / sqrt(1 + raised * raised), s = raised * c;
-    return high * s + out * sqrt(1 / (tangent * tangent) + c * c); /* at the worst angle */
+    return high * s + out * sqrt(1 / (tangent * tangent) + c * c); /* maximised over the angle */
 }
 
 static double nearest(const survey *s, double (*one)(double, double, double), double shift, double tangent) {
@@ -149,8 +150,8 @@ static double nearest(const survey *s, double (*one)(double, double, double), do
     return most_of_all;
 }
 
-/* A thing's orbit: its target is moved along `up` to where as much room is left above as below, for what is nearer looks
- * larger. That is where the rows let the camera come nearest; how near is convex in the shift. */
+/* The orbit of an object. Its target is shifted along `up` until as much space is left above as below, since nearer parts
+ * look larger. There the rows allow the least distance, which is a convex function of the shift. */
 static double find_distance(survey *s, tides_orbit *orbit, double tangent) {
     double low = 0, high = 0;
     if (!turn_upright(s, orbit)) return 1;
@@ -158,7 +159,7 @@ static double find_distance(survey *s, tides_orbit *orbit, double tangent) {
         low = fmin(low, s->at[0][i]);
         high = fmax(high, s->at[0][i]);
     }
-    for (int i = 0; i < 24; i++) { /* to a 2e4th of its height */
+    for (int i = 0; i < 24; i++) { /* to 1 / 20 000 of its height */
         const double third = (high - low) / 3;
         if (nearest(s, nearest_in_rows, low + third, tangent) < nearest(s, nearest_in_rows, high - third, tangent))
             high -= third;
@@ -171,7 +172,7 @@ static double find_distance(survey *s, tides_orbit *orbit, double tangent) {
     return margin * (distance > 0 ? distance : 1 / tangent); /* a single Gaussian has no size */
 }
 
-/* How far from the target the camera goes, and for a thing, where that is. */
+/* Chooses the camera's distance from the target, and for an object, the target's place. */
 static double choose(survey *s, tides_orbit *orbit, double tangent) {
     for (size_t i = 0; i < s->count; i++) s->distance[i] = distance_from(s, orbit->target, i);
     qsort(s->distance, s->count, sizeof *s->distance, td_ascending);

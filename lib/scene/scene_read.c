@@ -1,4 +1,4 @@
-/* One object from one file: its Gaussians by a format's reader, under the file's name where none is given. */
+/* Reads one object from one file. Without a given name, the object has the file's. */
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_scene.h"
@@ -14,7 +14,7 @@ static char *stem_of(const char *path, tides_error *error) {
     return td_format(error, "%.*s", (int)(dot && dot > start ? (size_t)(dot - start) : strlen(start)), start);
 }
 
-/* As `with` reads, where bad Gaussians are to be left out later. */
+/* The lenient variant of a reader: it keeps bad Gaussians, which are left out later. */
 static td_scene_reader leniently(td_scene_reader with) {
     if (with.parse == td_ply_parse) with.parse = td_ply_parse_leniently;
     if (with.choose == td_gltf_read) with.choose = td_gltf_read_leniently;
@@ -68,7 +68,7 @@ done:
 
 tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
                               double scale, tides_error *error) {
-    const char *part = scene->part; /* the model's, which this is of */
+    const char *part = scene->part; /* this choice is for the model, not for its .ply */
     scene->part = NULL;
     const tides_status status =
         td_scene_read_one(scene, file, (td_scene_reader){.parse = td_ply_parse}, name, trajectory, scale, error);

@@ -1,5 +1,5 @@
-/* Facts about a scene's files beside its Gaussians: how these were trained, and notes for the user; and the facts that a file
- * to be written has no place for. */
+/* Facts about a scene besides its Gaussians: how they were trained, how colours code light, notes for the user, and what a
+ * given file format can't store. */
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_scene.h"
@@ -42,7 +42,7 @@ const char *tides_scene_notes(const tides_scene *scene) { return scene && scene-
 
 /* -- losses -- */
 
-/* The ways in which objects code light, but for one that every reader takes for granted: srgb. */
+/* How objects code light, except sRGB, which every reader assumes. */
 static int32_t transfers_of(const tides_scene *scene) {
     int32_t held = 0;
     for (size_t i = 0; scene && i < scene->count; i++) {
@@ -59,7 +59,8 @@ int32_t tides_scene_losses(const tides_scene *scene, const char *file) {
     tides_scene_format format;
     for (size_t i = 0; file && tides_scene_format_at(i, &format); i++) {
         char ending[32];
-        snprintf(ending, sizeof ending, "%.*s", (int)strcspn(format.endings, " "), format.endings); /* that which is written */
+        /* the first ending is the one that is written */
+        snprintf(ending, sizeof ending, "%.*s", (int)strcspn(format.endings, " "), format.endings);
         if (td_ends_in(file, ending)) lost = format.losses;
     }
     if (tides_scene_sh_degree(scene) > 0) held |= TIDES_LOSES_HARMONICS;

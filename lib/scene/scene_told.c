@@ -1,5 +1,5 @@
-/* Objects that are told where they are as a run goes: a scene on another one's Gaussians with open paths of its own, so that
- * many runs may go on at once on one scene that is opened once. */
+/* Objects with open paths, whose poses become known during a run. Such a scene shares another scene's Gaussians and has its
+ * own paths, so many runs can use one opened scene at once. */
 #include "td_base.h"
 #include "td_scene.h"
 

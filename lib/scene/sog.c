@@ -1,5 +1,5 @@
-/* SOG versions 1 and 2 (PlayCanvas's "spatially ordered Gaussians"): meta.json beside lossless WebP pictures, in a folder or
- * packed into a .sog, which is a ZIP. Pixel i, row by row, belongs to Gaussian i:
+/* Reads SOG versions 1 and 2 (PlayCanvas's "spatially ordered Gaussians"): meta.json with lossless WebP pictures, in a folder
+ * or in a .sog, which is a ZIP. Pixel i, row by row, belongs to Gaussian i:
  *
  *     means    two pictures, the low and the high byte of r g b: v / 65535 between mins and maxs is sign(x) ln(1 + |x|)
  *     quats    r g b: the three components but the largest, (v / 255 - 1/2) sqrt(2); alpha: 252 + the largest's number, wxyz
@@ -8,10 +8,10 @@
  *     shN      optional, a palette: the second picture has the label, low byte r, high byte g; label n's coefficient k is at
  *              x = (n mod 64) K' + k, y = n / 64 of the first one (K' = 3, 8, 15 for 1, 2, 3 bands), r g b into a codebook
  *
- * Version 1 has no "version" and no codebooks, but mins and maxs between which a byte of 255 lies (one of each for shN); the
- * opacity, too, as its logit, and the count is means.shape[0].
+ * Version 1 has no "version" and no codebooks. Instead, a byte of 255 is a fraction between mins and maxs (one number each
+ * for shN); opacity is so, too, as its logit. The count is means.shape[0].
  *
- * "model" is "antialiased" or "2dgs" where the splats aren't plain ones (version 2, since 2026). */
+ * "model" is "antialiased" or "2dgs" for splats that aren't plain (version 2, since 2026). */
 #include "archive/td_zip.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -46,7 +46,7 @@ static tides_status fail(const sog *s, const char *where, const char *text) {
 
 /* -- files -- */
 
-/* `*data` lives until `*owned` is freed and `s` closed. */
+/* Reads a file. `*data` is valid until `*owned` is freed or `s` is closed. */
 static tides_status read_member(const sog *s, const char *name, const unsigned char **data, size_t *size, void **owned) {
     *owned = NULL;
     if (s->folder) {
@@ -63,7 +63,7 @@ static tides_status read_member(const sog *s, const char *name, const unsigned c
     return td_zip_read(&s->zip, member, data, owned, s->error);
 }
 
-/* The entry's file `number`. It is a name beside meta.json: nothing outside of the folder is looked at. */
+/* The name of the entry's file `number`. It must lie beside meta.json: nothing outside of the folder is read. */
 static tides_status file_name(const sog *s, const char *entry, int number, const char **name) {
     const cJSON *files = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(s->meta, entry), "files");
     const cJSON *file = cJSON_GetArrayItem(files, number);
@@ -73,7 +73,7 @@ static tides_status file_name(const sog *s, const char *entry, int number, const
     return TIDES_OK;
 }
 
-/* A picture of at least `pixels` pixels and at most `most`: its size is believed only then. */
+/* Reads a picture with `pixels` to `most` pixels. Its size is checked before memory is allocated. */
 static tides_status read_some(const sog *s, const char *entry, int number, size_t pixels, size_t most, picture *out) {
     const char *name = NULL;
     const unsigned char *data = NULL;
@@ -96,26 +96,26 @@ done:
     return status;
 }
 
-/* A pixel for each of `pixels` Gaussians, and not many more. */
+/* Reads a picture with a pixel for each of `pixels` Gaussians, and few more. */
 static tides_status read_picture(const sog *s, const char *entry, int number, size_t pixels, picture *out) {
     return read_some(s, entry, number, pixels, 4 * (pixels + LARGEST), out);
 }
 
 /* -- meta.json -- */
 
-/* `count` finite numbers of entry.key. */
+/* Reads `count` finite numbers from entry.key. */
 static tides_status read_numbers(const sog *s, const char *entry, const char *key, double *values, int count) {
     if (td_json_numbers(cJSON_GetObjectItemCaseSensitive(s->meta, entry), key, values, count)) return TIDES_OK;
     return td_fail(s->error, TIDES_BAD_FILE, "%s: %s.%s must be a list of %d numbers", s->path, entry, key, count);
 }
 
-/* A whole number from 1 to `most`; 0 where it isn't one. */
+/* A whole number from 1 to `most`; 0 if it isn't one. */
 static size_t whole(const cJSON *object, const char *key, int64_t most) {
     const int64_t value = td_json_whole(object, key, 1, most);
     return value < 1 ? 0 : (size_t)value;
 }
 
-/* Element `index` of `entry`.shape as a whole number; 0 where it isn't one. */
+/* Element `index` of `entry`.shape as a whole number; 0 if it isn't one. */
 static size_t shape(const sog *s, const char *entry, int index) {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(s->meta, entry), "shape");
     const cJSON *item = cJSON_GetArrayItem(list, index);
@@ -123,7 +123,7 @@ static size_t shape(const sog *s, const char *entry, int index) {
     return value >= 1 && value <= (double)LARGEST * LARGEST && value == floor(value) ? (size_t)value : 0;
 }
 
-/* Bands of the palette; version 1 says how many numbers they have. */
+/* Number of bands of the palette; in version 1 it follows from the number of coefficients. */
 static size_t bands_of(const sog *s, const cJSON *palette) {
     if (s->version == 2) return whole(palette, "bands", 3);
     for (size_t bands = 1; bands <= 3; bands++)
@@ -206,7 +206,7 @@ static tides_status unpack_quaternions(const sog *s, const td_gaussians *g) {
     return status;
 }
 
-/* Values of the bytes of `channels` in `entry`: version 2 has one codebook for all of them. */
+/* The values of the bytes of `channels` in `entry`; version 2 has one codebook for all channels. */
 static tides_status read_codes(const sog *s, const char *entry, int channels, double codes[4][CODEBOOK]) {
     double low[4] = {0}, high[4] = {0};
     tides_status status = s->version == 2 ? read_numbers(s, entry, "codebook", codes[0], CODEBOOK)
@@ -219,7 +219,7 @@ static tides_status read_codes(const sog *s, const char *entry, int channels, do
     return status;
 }
 
-/* r g b of `entry`'s picture as what they stand for; alpha, where `opacity` isn't NULL, to logits. */
+/* Decodes r g b of `entry`'s picture; alpha becomes logits if `opacity` isn't NULL. */
 static tides_status unpack_codes(const sog *s, const char *entry, float *out, size_t stride, float *opacity) {
     double codes[4][CODEBOOK];
     picture indices = {0};
@@ -234,7 +234,7 @@ static tides_status unpack_codes(const sog *s, const char *entry, float *out, si
     return status;
 }
 
-/* Version 1 has two numbers. */
+/* Reads the palette's codebook. Version 1 has only two numbers, the bounds. */
 static tides_status read_palette_codes(const sog *s, double codes[CODEBOOK]) {
     if (s->version == 2) return read_numbers(s, "shN", "codebook", codes, CODEBOOK);
     const cJSON *entry = cJSON_GetObjectItemCaseSensitive(s->meta, "shN");
@@ -244,7 +244,7 @@ static tides_status read_palette_codes(const sog *s, double codes[CODEBOOK]) {
     return TIDES_OK;
 }
 
-/* The palette's picture, and how many entries it has: in version 1 all that there is room for. */
+/* Reads the palette's picture, and its number of entries: in version 1 as many as fit. */
 static tides_status read_palette(const sog *s, size_t rest, size_t *entries, picture *palette) {
     *entries = s->version == 2 ? whole(cJSON_GetObjectItemCaseSensitive(s->meta, "shN"), "count", MOST_ENTRIES) : MOST_ENTRIES;
     if (*entries == 0) return fail(s, "shN.count", "must be a whole number from 1 to 65536");
@@ -292,7 +292,7 @@ static tides_status unpack(const sog *s, const td_gaussians *g) {
 
 static tides_status read_sog(sog *s, td_gaussians *gaussians) {
     td_gaussians made = {0};
-    picture probe = {0}; /* a count that no picture bears out costs no memory */
+    picture probe = {0}; /* read first, so that a wrong count allocates nothing */
     tides_status status = parse_meta(s);
     if (!status) status = read_picture(s, "quats", 0, s->count, &probe);
     WebPFree(probe.rgba);

@@ -1,12 +1,12 @@
-/* Streamed SOG (PlayCanvas): lod-meta.json beside folders that each hold a SOG, a spatial tree whose leaves name runs of
- * Gaussians in them, and perhaps an environment:
+/* Reads streamed SOG (PlayCanvas): a lod-meta.json beside folders with a SOG each. It has a spatial tree, whose leaves name
+ * runs of Gaussians in these, and may have an environment:
  *
  *     {"version": 1, "lodLevels": 2, "environment": "env/meta.json", "filenames": ["0_0/meta.json", "1_0/meta.json"],
  *      "tree": {"bound": .., "children": [{"bound": .., "lods": {"0": {"file": 0, "offset": 0, "count": 600}, "1": ..}}, ..]}}
  *
- * Level 0 is the finest, and it is what is read unless another is asked for, with the environment. A file holds Gaussians of
- * one level and no others than its leaves', so that whole files are taken, and runs only counted. Before version 1 "version"
- * wasn't written, and "environment" could be null. */
+ * Level 0 is the finest; it is read unless another one is requested, together with the environment. A file has Gaussians of
+ * one level only, and all belong to leaves. So whole files are read, and runs are only counted. Before version 1, "version"
+ * was missing, and "environment" could be null. */
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_model_files.h"
@@ -20,10 +20,10 @@
 typedef struct lod {
     const char *path;
     cJSON *meta;
-    const char **names; /* of files; the files of the finest level that are used have a count */
+    const char **names; /* paths of all files; files in use have a count */
     int64_t *counts, files;
-    const char *level; /* that is read: "0" */
-    int64_t coarsest;  /* level that a leaf has */
+    const char *level; /* the level to read: "0" */
+    int64_t coarsest;  /* coarsest level of a leaf */
     tides_error *error;
 } lod;
 
@@ -31,7 +31,7 @@ static const char file_name[] = "lod-meta.json";
 
 int td_sog_is_lod(const char *path) { return strcmp(td_base_name(path), file_name) == 0; }
 
-/* A meta.json below the folder. */
+/* Fails unless the name is that of a meta.json below the folder. */
 static tides_status check_name(const lod *l, const char *key, const char *name) {
     if (name && td_json_is_below(name) && td_sog_is_meta(name)) return TIDES_OK;
     return td_fail(l->error, TIDES_BAD_FILE, "%s: %s must name meta.json files in folders beside it", l->path, key);
@@ -59,13 +59,13 @@ static void find_coarsest(lod *l, const cJSON *levels) {
     }
 }
 
-/* Adds up the runs of the level in a node and below it; cJSON bounds how deep that can be. */
+/* Adds up the level's runs in a node and below it; cJSON limits the depth. */
 static tides_status count_node(lod *l, const cJSON *node) {
     const cJSON *children = cJSON_GetObjectItemCaseSensitive(node, "children"), *child;
     const cJSON *levels = cJSON_GetObjectItemCaseSensitive(node, "lods");
     const cJSON *run = cJSON_GetObjectItemCaseSensitive(levels, l->level);
     if (cJSON_IsObject(levels)) find_coarsest(l, levels);
-    const int64_t most = INT64_C(1) << 40; /* sums stay far below 2^63 */
+    const int64_t most = INT64_C(1) << 40; /* so that sums can't overflow */
     tides_status status = TIDES_OK;
     if (run) {
         const int64_t file = td_json_whole(run, "file", 0, l->files - 1), count = td_json_whole(run, "count", 0, most);
@@ -106,7 +106,7 @@ static tides_status lod_open(lod *l, const char *path, const char *part, tides_e
     return status;
 }
 
-/* `wanted` Gaussians; -1: as many as there are. */
+/* Reads a part, which must have `wanted` Gaussians; -1: any number. */
 static tides_status read_part(const lod *l, const char *name, int64_t wanted, td_gaussians *part) {
     char *file = td_beside(l->path, name, l->error);
     tides_status status = file ? td_sog_read_folder(file, part, l->error) : TIDES_NO_MEMORY;
@@ -143,7 +143,7 @@ static tides_status read_parts(const lod *l, td_gaussians *gaussians) {
     return status;
 }
 
-/* The file itself, or the folder that holds it. */
+/* The path of lod-meta.json: the path itself, or the file in that folder. */
 static char *named(const char *path, tides_error *error) {
     return td_sog_is_lod(path) ? td_strdup(path, error) : td_format(error, "%s/%s", path, file_name);
 }

@@ -1,7 +1,7 @@
 /* .splat (antimatter15's viewer and many after it): no header, 32 bytes per Gaussian, little-endian:
  *     float x y z, float scale x y z (linear), uint8 r g b a (colour 1/2 + C0 dc and opacity, of 255),
  *     uint8 rotation w x y z, (v - 128) / 128
- * The frame is that of the 3DGS .ply it was made from. No SH beyond the constant. */
+ * Axes are those of the 3DGS .ply from which it was made. There are no SH beyond the constant. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_splat.h"

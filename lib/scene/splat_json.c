@@ -1,4 +1,4 @@
-/* JSON of splat files: parsed with a decimal point in any locale, and numbers that are what they have to be. */
+/* JSON of splat files: parsed with a decimal point in any locale, and with checks of the numbers' ranges. */
 #include "td_splat_json.h"
 #include "td_text.h"
 

@@ -1,5 +1,5 @@
-/* Values of the bytes of packed splat files (.splat, .ksplat, .spz, .sog). In double until the last step, so that a value is
- * rounded once. */
+/* Decodes bytes of packed splat files (.splat, .ksplat, .spz, .sog), in double until the last step, so that each value is
+ * rounded only once. */
 #include "td_base.h"
 #include "td_math.h"
 #include "td_splat.h"

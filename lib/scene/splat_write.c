@@ -1,7 +1,6 @@
-/* Writes .splat and .spz (version 4), whose layouts are in splat.c and spz.c: what a byte can't hold exactly goes to the
- * nearest that it can. A .splat has no place for SH beyond the constant. Positions of a .spz get as many of their 24 bits
- * behind the point as the scene's size leaves. Its axes are right, up, back, and a record says so: readers that don't know the
- * record take the same. */
+/* Writes .splat and .spz (version 4), and rounds to the nearest value that the bytes can hold. A .splat can't store SH beyond
+ * the constant. The 24-bit positions of a .spz get as many fractional bits as the scene's size allows. Its axes are right,
+ * up, back. A record in the file states that; readers that don't know the record assume the same. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_math.h"
@@ -45,7 +44,7 @@ tides_status td_splat_write(const char *path, const td_gaussians *g, double scal
 
 /* -- .spz -- */
 
-/* Bits behind the point with which every coordinate fits; below 0 where none do. */
+/* Number of fractional bits with which every coordinate fits; negative if there is none. */
 static int fractional_bits(const td_gaussians *g, double scale) {
     double largest = 0;
     int bits = 24;
@@ -61,7 +60,7 @@ static void put_fixed(unsigned char *to, double value, int bits) {
     for (int k = 0; k < 3; k++) to[k] = (unsigned char)(word >> 8 * k);
 }
 
-/* `q` is wxyz in the file's axes. */
+/* Packs a quaternion `q` (wxyz, in the file's axes) by its three smallest components. */
 static uint32_t smallest_three(const double q[4]) {
     const double xyzw[4] = {q[1], q[2], q[3], q[0]};
     uint32_t largest = 0;
@@ -77,7 +76,7 @@ static uint32_t smallest_three(const double q[4]) {
     return word;
 }
 
-/* Every array, one after the other. */
+/* Packs all arrays, one after the other. */
 static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int bits) {
     const double flips[3] = {1, -1, -1}; /* to right, up, back */
     const size_t n = (size_t)g->count, coefficients = td_sh_coefficients(g->sh_degree);
@@ -105,7 +104,7 @@ static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int
 }
 
 static void put_spz_header(unsigned char *to, const td_gaussians *g, int bits, unsigned streams) {
-    static const uint32_t record[] = {0xadbe0003, 4, SPZ_RUB}; /* spz_axes.c */
+    static const uint32_t record[] = {0xadbe0003, 4, SPZ_RUB}; /* type, bytes, and value of the record of axes */
     memset(to, 0, SPZ_HEADER);
     td_put_le32(to, SPZ_MAGIC);
     td_put_le32(to + 4, SPZ_VERSION);
@@ -118,7 +117,7 @@ static void put_spz_header(unsigned char *to, const td_gaussians *g, int bits, u
     for (size_t i = 0; i < 3; i++) td_put_le32(to + SPZ_HEADER + 4 * i, record[i]);
 }
 
-/* Header, record, table, and each array as a frame. Arrays that are empty have neither. */
+/* Writes header, record, table, and each array as a zstd frame. An empty array has no table entry and no frame. */
 static tides_status write_spz(const char *path, const td_gaussians *g, double scale, int bits, tides_error *error) {
     const size_t n = (size_t)g->count, rest = td_sh_coefficients(g->sh_degree) - 1,
                  each[SPZ_ARRAYS] = {9, 1, 3, 3, 4, 3 * rest};

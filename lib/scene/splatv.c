@@ -1,10 +1,4 @@
-/* .splatv (antimatter15's splaTV, and converters to it): SpacetimeGaussians of the lite model as a texture. Little-endian:
- *     uint32 0x674b ("Kg"), uint32 bytes of JSON, JSON, and the chunks that it lists, one behind the other
- *     [{"type": "splat", "size": bytes, "texwidth": 4096, "texheight": rows, "cameras": [...]}, ...]
- * The splat chunk has 64 bytes per Gaussian, 1024 to a row, zeros behind the last:
- *     float x y z; half rotation w x y z; half scale x y z (linear) and 0; uint8 r g b a (colour and opacity, of 255);
- *     half motion_0..8 and 0; half omega_0..3; half trbf_center, e^trbf_scale       what they are: method_stg.c
- * Time runs from 0 to 1. Its viewer's cameras aren't read. */
+/* Reads .splatv (antimatter15's splaTV, and converters to it): SpacetimeGaussians, lite model, as a texture. Little-endian: */
 #include "archive/td_numbers.h"
 #include "td_base.h"
 #include "td_endian.h"
@@ -24,7 +18,7 @@ int td_splatv_is(const void *start, size_t size) {
 
 static float half(const unsigned char *at) { return (float)td_float_bits(td_le16(at), 2); }
 
-/* The chunk of splats: its bytes, and how many rows of them aren't zeros at the end. */
+/* Finds the chunk of splats: its bytes, and the number of rows before the zeros at its end. */
 static tides_status find_splats(const char *path, const cJSON *chunks, const unsigned char **rows, size_t left, size_t *count,
                                 tides_error *error) {
     const cJSON *chunk;
@@ -75,7 +69,8 @@ static void take_gaussians(const unsigned char *row, td_gaussians *g) {
     }
 }
 
-/* `values` has room for 15 numbers per Gaussian: centre, ln width, 9 coefficients, 4 rates, array by array. */
+/* Makes the motion. `values` has room for 15 numbers per Gaussian: centre, ln width, 9 coefficients, 4 rates, array by
+ * array. */
 static tides_status make_motion(const unsigned char *row, size_t n, float *values, tides_motion **motion, tides_error *error) {
     float *const centre = values, *const width = centre + n, *const coefficient = width + n, *const rate = coefficient + 9 * n;
     for (size_t i = 0; i < n; i++, row += ROW) {

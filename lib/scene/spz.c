@@ -1,23 +1,23 @@
-/* .spz (Niantic Labs), versions 1 to 4. Little-endian; a header, then one array per property:
+/* Reads .spz (Niantic Labs), versions 1 to 4. Little-endian; a header, then one array per property:
  *
  *     uint32 0x5053474e ("NGSP"), uint32 version, uint32 count, uint8 SH degree, uint8 fractional bits, uint8 flags, uint8
  *     positions   9 bytes   x y z, 24-bit two's complement, divided by 2^fractional bits (version 1: 6 bytes, three halfs)
  *     alphas      1         opacity, of 255
  *     colours     3         r g b: dc = (v / 255 - 1/2) / 0.15
  *     scales      3         x y z: natural logarithm v / 16 - 10
- *     rotations   3 or 4    up to version 2: x y z, v / 127.5 - 1, w >= 0 from the rest; later the smallest three, below
+ *    rotations   3 or 4    up to version 2: x y z, v / 127.5 - 1, and w >= 0 so that the length is 1; later see below
  *     sh          3 (K - 1) coefficient by coefficient, r g b of each: (v - 128) / 128
  *
- * Up to version 3 all of that is one gzip file (some tools leave the gzip out). Version 4 has a header of 32 bytes, whose
- * byte 15 counts streams and whose uint32 at 16 is the offset of their table, {uint64 packed, uint64 unpacked} each; the
- * streams follow it, one zstd frame per array, empty arrays left out.
+ * Up to version 3 the whole file is gzipped (some tools don't). Version 4 has a header of 32 bytes. Its byte 15 is the number
+ * of streams, and the uint32 at 16 is the offset of their table, {uint64 packed, uint64 unpacked} each. The streams follow
+ * the table: a zstd frame per array, without empty arrays.
  *
- * Smallest three: uint32, 2 bits from the top name the largest of x y z w; then, from w down to x without it, 10 bits from the
- * lowest on: 9 bits m and a sign, m / 511 / sqrt(2).
+ * Rotations from version 3 on are a uint32. The top 2 bits name the largest of x y z w. The others, from w down to x, have 10
+ * bits each, from the lowest bit on: 9 bits m and a sign, for m / 511 / sqrt(2).
  *
- * The axes are right, up, back, unless a record says otherwise (spz_axes.c); a 3DGS .ply's are right, down, front: y and z
- * change sign, and with them the SH coefficients that are odd in y and z together. Records lie between header and table in
- * version 4, behind the arrays before. Flag 1 says that opacities were trained with compensation; 2 that there are records. */
+ * The axes are right, up, back, unless a record says otherwise. A 3DGS .ply has right, down, front. So y and z change sign,
+ * and with them the SH coefficients that are odd in y and z together. Records lie between header and table in version 4, and
+ * behind the arrays in earlier versions. Flag 1: opacities were trained with compensation. Flag 2: there are records. */
 #include "archive/td_numbers.h"
 #include "td_base.h"
 #include "td_endian.h"
@@ -28,14 +28,14 @@
 #include <string.h>
 
 enum { MAGIC = 0x5053474e, HEADER = 16, HEADER_4 = 32, ENTRY = 16, ARRAYS = 6, ADOBE = 0xadbe };
-enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, RECORDS_MAX = 1 << 20 /* bytes: georeferences have some hundred */ };
+enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, RECORDS_MAX = 1 << 20 /* bytes; georeferences have a few hundred */ };
 
 typedef struct spz {
     const char *path;
     uint32_t version, count;
     int32_t degree;
     unsigned fractional_bits, flags, streams;
-    size_t bytes[ARRAYS], total; /* per array, and together */
+    size_t bytes[ARRAYS], total; /* of each array, and in total */
     td_spz_records records;
     tides_error *error;
 } spz;
@@ -65,7 +65,7 @@ static tides_status parse_header(spz *s, const unsigned char *b) {
     const size_t each[ARRAYS] =
         {s->version == 1 ? 6 : 9, 1, 3, 3, s->version < 3 ? 3 : 4, 3 * (td_sh_coefficients(s->degree) - 1)};
     for (size_t i = 0; i < ARRAYS; i++) {
-        if (each[i] > SIZE_MAX / ARRAYS / s->count) /* only where size_t has 32 bits */
+        if (each[i] > SIZE_MAX / ARRAYS / s->count) /* possible only if size_t has 32 bits */
             return td_fail(s->error, TIDES_NO_MEMORY, "%s: %lu Gaussians don't fit in this machine's memory", s->path,
                            (unsigned long)s->count);
         s->total += s->bytes[i] = each[i] * s->count;
@@ -80,9 +80,9 @@ static double fixed_point(const unsigned char *b, double unit) {
     return (value & 0x800000 ? value - 0x1000000 : value) * unit;
 }
 
-/* q is wxyz, in the file's axes. */
+/* Unpacks a rotation from its three smallest components; q is wxyz, in the file's axes. */
 static void smallest_three(uint32_t word, float q[4]) {
-    const unsigned largest = word >> 30; /* in x y z w */
+    const unsigned largest = word >> 30; /* index in x y z w */
     double xyzw[4] = {0}, rest = 1;
     for (unsigned i = 4; i-- > 0;) {
         if (i == largest) continue;
@@ -111,7 +111,7 @@ static void unpack_sh(const spz *s, const double flips[3], const unsigned char *
                 g->sh[3 * (coefficients * i + k) + c] = sign[k] * ((float)(*sh - 128) / 128.0f);
 }
 
-/* Through the flips; a quaternion's vector turns the other way round where the axes are mirrored. */
+/* Unpacks all arrays and flips the axes. Under a mirroring, a quaternion's vector part turns the other way. */
 static void unpack(const spz *s, const double flips[3], const unsigned char *data, const td_gaussians *g) {
     const unsigned char *position = data, *alpha = position + s->bytes[0], *colour = alpha + s->bytes[1];
     const unsigned char *scale = colour + s->bytes[2], *rotation = scale + s->bytes[3];
@@ -146,8 +146,8 @@ static tides_status fail_count(const spz *s, size_t size) {
                    s->path, (unsigned long)s->count, (int)s->degree, size);
 }
 
-/* `data` is everything behind the header; `more` is set where something follows the arrays. Extensions do (released writers);
- * in drafts they came first, with a vendor's number in the upper half of their first word. */
+/* Checks what follows the arrays; `data` begins behind the header. Released writers put records behind the arrays. Drafts put
+ * them first, with a vendor's number in the upper half of the first word: those are refused. */
 static tides_status check_rest(const spz *s, const unsigned char *data, int more) {
     int extended = s->flags & HAS_EXTENSIONS;
     if (extended && td_le32(data) >> 16 == ADOBE)
@@ -158,26 +158,27 @@ static tides_status check_rest(const spz *s, const unsigned char *data, int more
                    (unsigned long)s->count);
 }
 
-/* The records behind the arrays that begin at `arrays`; all is `size` bytes. */
+/* Reads the records behind the arrays, which begin at `arrays`; all together is `size` bytes. */
 static tides_status read_behind(spz *s, const unsigned char *arrays, size_t size) {
     if (!(s->flags & HAS_EXTENSIONS)) return TIDES_OK;
     return td_spz_read_records(s->path, arrays + s->total, size - s->total, &s->records, s->error);
 }
 
-/* Versions 1 to 3 without gzip. The arrays are at `data` + HEADER. */
+/* Opens versions 1 to 3 without gzip. The arrays are at `data` + HEADER. */
 static tides_status open_plain(spz *s, const unsigned char *data, size_t size) {
     if (size - HEADER < s->total) return fail_count(s, size);
     tides_status status = check_rest(s, data + HEADER, size - HEADER > s->total);
     return status ? status : read_behind(s, data + HEADER, size - HEADER);
 }
 
-/* How much to unpack: all of it where records follow the arrays, which a gzip file's last four bytes say how large it is. */
+/* Number of bytes to unpack. If records follow the arrays it is the whole, whose size is in the last four bytes of a gzip
+ * file. */
 static size_t wanted_of(const spz *s, const unsigned char *data, size_t size) {
     const size_t arrays = HEADER + s->total, all = size >= 4 ? td_le32(data + size - 4) : 0;
     return s->flags & HAS_EXTENSIONS && all > arrays && all - arrays <= RECORDS_MAX ? all : arrays;
 }
 
-/* Versions 1 to 3. `*arrays` is allocated, with the header before them. */
+/* Opens versions 1 to 3 with gzip. `*arrays` is allocated, and begins with the header. */
 static tides_status open_gzip(spz *s, const unsigned char *data, size_t size, unsigned char **arrays) {
     unsigned char header[HEADER];
     int more = 0;
@@ -199,8 +200,8 @@ static tides_status open_gzip(spz *s, const unsigned char *data, size_t size, un
     return status;
 }
 
-/* The table of a version 4 file: as many streams as arrays that aren't empty, of the sizes that the count implies, all within
- * the file. `*first` is where the first one begins. */
+/* Checks the table of a version 4 file: one stream for each array that isn't empty, of the size that the count implies, all
+ * within the file. `*first`: where the first stream begins. */
 static tides_status check_table(const spz *s, const unsigned char *data, size_t size, size_t *first) {
     size_t table = size < HEADER_4 ? 0 : td_le32(data + 16), wanted = s->degree ? ARRAYS : ARRAYS - 1;
     if (table < HEADER_4 || table > size || (size - table) / ENTRY < s->streams)
@@ -267,7 +268,7 @@ static tides_status make(spz *s, const unsigned char *arrays, td_gaussians *gaus
 tides_status td_spz_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
     spz s = {.path = path, .error = error};
     const unsigned char *bytes = data;
-    unsigned char *arrays = NULL; /* unpacked, behind HEADER bytes */
+    unsigned char *arrays = NULL; /* unpacked arrays, behind HEADER bytes */
     tides_status status;
     if (size < HEADER || !td_spz_is(data, size))
         return td_fail(error, TIDES_BAD_FILE, "%s: isn't a .spz file: neither gzip nor 'NGSP' is at its start", path);

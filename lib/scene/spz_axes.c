@@ -1,9 +1,9 @@
-/* The records that extend a .spz (versions 2 to 4), and the axes that one of them says its values are in.
+/* Reads the records of a .spz (versions 2 to 4), one of which gives the axes of its values.
  *
- * A record is uint32 type, uint32 bytes, and so many bytes. Adobe's 0xADBE0003 is a uint32, the coordinate system of positions,
- * rotations and SH by what x, y and z point to: 1 LDB, 2 RDB, 3 LUB, 4 RUB, 5 LDF, 6 RDF, 7 LUF, 8 RUF (left or right, down or
- * up, back or front), and 9 LFD, 10 RFD, 11 LFU, 12 RFU, 13 LBD, 14 RBD, 15 LBU, 16 RBU: those a quarter turn about x on, so
- * that y is front or back and z down or up. 0, and files without it: RUB. Left and right mirror numbers, not what is seen. */
+ * A record is uint32 type, uint32 bytes, and the bytes. Adobe's 0xADBE0003 is a uint32: the directions of x, y and z for
+ * positions, rotations and SH. 1 LDB, 2 RDB, 3 LUB, 4 RUB, 5 LDF, 6 RDF, 7 LUF, 8 RUF (left or right, down or up, back or
+ * front). 9 LFD, 10 RFD, 11 LFU, 12 RFU, 13 LBD, 14 RBD, 15 LBU, 16 RBU have a quarter turn about x, so that y is front or
+ * back and z down or up. 0, or no record: RUB. Left or right mirrors the numbers, not the scene. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_scene.h"
@@ -11,7 +11,7 @@
 
 enum { RECORD = 8, RUB = 4, SYSTEMS = 16, UNTURNED = 8 };
 
-/* Adobe's earlier numbers: how SH were quantised, where a camera may orbit. And Niantic's place on the earth. */
+/* Other known records: Adobe's on how SH were quantised and where a camera may orbit, and Niantic's place on the earth. */
 static const uint32_t system_record = 0xadbe0003, silent_records[] = {0, 0xadbe0001, 0xadbe0002}, place_record = 0x4e530001;
 
 static tides_status read_system(const char *path, const unsigned char *payload, uint32_t bytes, td_spz_records *found,
@@ -51,12 +51,13 @@ tides_status td_spz_read_records(const char *path, const unsigned char *bytes, s
 td_spz_axes td_spz_axes_of(uint32_t system) {
     const uint32_t bits = (system ? system : RUB) - 1;
     const double right = bits & 1 ? 1 : -1, down = bits & 2 ? -1 : 1, front = bits & 4 ? 1 : -1;
-    /* A quarter turn after flips is flips of the axes it takes to each other, and then the turn. */
+    /* The turn exchanges y and z, so their flips are exchanged, too, and the turn comes last. */
     if (system > UNTURNED) return (td_spz_axes){{right, front, down}, 1};
     return (td_spz_axes){{right, down, front}, 0};
 }
 
-/* Band l, whose m runs from -l to l: with l + m odd z comes in odd powers, with m < 0 y does, and x where the rest of m is. */
+/* The sign of coefficient k. In band l, m runs from -l to l. Powers of z are odd if l + m is odd, powers of y if m < 0, and
+ * powers of x follow from the rest of m. */
 float td_spz_harmonic_sign(const double flips[3], size_t k) {
     int l = 0;
     while ((size_t)((l + 1) * (l + 1)) <= k) l++;
@@ -69,6 +70,6 @@ float td_spz_harmonic_sign(const double flips[3], size_t k) {
 }
 
 tides_status td_spz_turn(const td_spz_axes *axes, td_gaussians *gaussians, tides_error *error) {
-    static const double quarter[12] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0}; /* y is what z was, z what -y was */
+    static const double quarter[12] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0}; /* the new y is the old z, the new z the old -y */
     return axes->turned ? td_gaussians_place(gaussians, quarter, error) : TIDES_OK;
 }

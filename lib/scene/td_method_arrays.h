@@ -1,6 +1,6 @@
-/* Internal: readers of methods whose motion is arrays per Gaussian. Each gives raw Gaussians and their motion, both the
- * caller's on success. TIDES_BAD_FILE naming what is missing or doesn't fit; TIDES_UNSUPPORTED naming what this version can't
- * do. */
+/* Internal: readers of methods whose motion is arrays per Gaussian. Each returns raw Gaussians and their motion, which
+ * belong to the caller on success. TIDES_BAD_FILE names what is missing or doesn't fit; TIDES_UNSUPPORTED what TIDES can't
+ * simulate. */
 #ifndef TD_METHOD_ARRAYS_H
 #define TD_METHOD_ARRAYS_H
 
@@ -14,7 +14,7 @@ tides_status td_dyn3dgs_open(const td_model_dir *dir, td_gaussians *gaussians, t
 tides_status td_freetime_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 tides_status td_frames_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 
-/* Checks the motion against the Gaussians; on failure frees both and hands out nothing. */
+/* Checks the motion against the Gaussians. On failure it frees both, and sets neither `gaussians` nor `motion`. */
 tides_status td_arrays_finish(tides_status status, const char *path, td_gaussians *made, tides_motion *moves,
                               td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 

@@ -1,5 +1,5 @@
-/* Internal: which trainer wrote a model directory, and where in it things are. The layouts are those of the trainers' own
- * code (each method's reader has its own description). */
+/* Internal: recognises which trainer wrote a model directory, and finds the files in it. Layouts are those of the trainers'
+ * own code. */
 #ifndef TD_MODEL_DIR_H
 #define TD_MODEL_DIR_H
 
@@ -22,42 +22,42 @@ enum {
 
 typedef struct td_model_dir {
     int method;
-    int64_t iteration; /* -1 where nothing says */
-    int64_t wanted;    /* the iteration that was asked for; -1: the newest */
-    char *others;      /* NULL, or the numbers of all iterations where there are several: "7000, 30000" */
-    char *folder;      /* of the model, or of the file that was named */
-    char *points;      /* the .ply; NULL where the method has none */
-    char *weights;     /* the method's other file as named above; NULL where there is none */
+    int64_t iteration; /* -1: unknown */
+    int64_t wanted;    /* requested iteration; -1: the newest */
+    char *others;      /* NULL, or numbers of all iterations if there are several: "7000, 30000" */
+    char *folder;      /* of the model, or of the file that the user named */
+    char *points;      /* the .ply; NULL if the method has none */
+    char *weights;     /* the method's other file in the list above; NULL: none */
     char **frames;     /* TD_METHOD_FRAMES: the .ply files in order of time */
     size_t frame_count;
-    td_tree *cfg; /* cfg_args as a dict; NULL where there is none */
+    td_tree *cfg; /* cfg_args as a dict; NULL: none */
 } td_model_dir;
 
-/* "4DGaussians" ..; static storage. */
+/* The name of a method, such as "4DGaussians"; static storage. */
 const char *td_method_name(int method);
 
-/* 1 where `path` is a folder in which a model is found, or a file that a model is recognised by: a ZIP archive named .pth,
- * .pt or .npz, or a .ply with the properties of a moving model. */
+/* 1 if `path` is a folder with a model, or a file of one: a ZIP archive named .pth, .pt or .npz, or a .ply with the
+ * properties of a moving model. */
 int td_model_dir_is(const char *path);
 
-/* `path`: the model's folder, one of the folders point_cloud/iteration_N in it (that iteration is then taken; else the one that
- * `part` (nullable) names, else the newest), or one of the files above; a file's model folder is looked for above it. On
- * success the caller frees `dir`. TIDES_BAD_ARGUMENT where there is no such part;
- * TIDES_FILE_NOT_FOUND; TIDES_BAD_FILE where nothing is recognised, naming the files that were looked for; failures of the
- * readers of cfg_args and of gsplat's checkpoints; TIDES_NO_MEMORY. */
+/* Finds a model. `path` is its folder, a folder point_cloud/iteration_N in it, or a file of it; for a file, the model's
+ * folder is searched above it. The iteration is that of `path`, or else of `part` (may be NULL), or else the newest. On
+ * success the caller frees `dir`. TIDES_BAD_ARGUMENT: no such part; TIDES_FILE_NOT_FOUND; TIDES_BAD_FILE: nothing was
+ * recognised (the error names the files that were looked for); failures of reading cfg_args and gsplat's checkpoints;
+ * TIDES_NO_MEMORY. */
 tides_status td_model_dir_find(const char *path, const char *part, td_model_dir *dir, tides_error *error);
-void td_model_dir_free(td_model_dir *dir); /* leaves an empty one: may be called twice */
+void td_model_dir_free(td_model_dir *dir); /* leaves an empty one, and may be called twice */
 
-/* Reads what `td_model_dir_find` found into a scene, as tides_scene_add_file does; TIDES_UNSUPPORTED names a method that this
- * version can't read (scene_methods.c: one line per method). */
+/* Reads a recognised model into a scene, as tides_scene_add_file does. TIDES_UNSUPPORTED names a method that TIDES can't
+ * read. */
 tides_status td_scene_add_model(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
                                 tides_error *error);
 
-/* gsplat's checkpoint, {"step", "splats": {means, scales, quats, opacities, sh0, shN}}, at rest (gsplat_checkpoint.c). */
+/* Reads gsplat's checkpoint, {"step", "splats": {means, scales, quats, opacities, sh0, shN}}, which is at rest. */
 tides_status td_gsplat_read(const char *path, td_gaussians *gaussians, tides_error *error);
 
-/* Reads how the splats were trained from the trainer's cfg.yml, in the checkpoint's folder or above: TIDES_TRAINED_*, untouched
- * where it isn't given. TIDES_UNSUPPORTED for 2-D Gaussians. */
+/* Reads the training mode from the trainer's cfg.yml, in the checkpoint's folder or above it. `*trained` is TIDES_TRAINED_*,
+ * and unchanged if the file doesn't give it. TIDES_UNSUPPORTED for 2-D Gaussians. */
 tides_status td_gsplat_tags(const td_model_dir *dir, int32_t *trained, tides_error *error);
 
 #endif

@@ -1,11 +1,11 @@
-/* Internal: PLY files in memory. The header as a table of elements and properties (ply_header.c), and the rows of one
- * element (ply_rows.c). Knows nothing of Gaussians; format: Turk 1994, "The PLY Polygon File Format". */
+/* Internal: parses PLY files in memory: the header as a table of elements and properties, and the rows of one element. It is
+ * independent of Gaussians. Format: Turk 1994, "The PLY Polygon File Format". */
 #ifndef TD_PLY_H
 #define TD_PLY_H
 
 #include "tides/base.h"
 
-/* The bytes, and the name that messages give them. */
+/* The bytes of a file, and its name for messages. */
 typedef struct td_ply_file {
     const char *path;
     const unsigned char *data;
@@ -15,7 +15,7 @@ typedef struct td_ply_file {
 enum { TD_PLY_ASCII = 1, TD_PLY_LITTLE_ENDIAN, TD_PLY_BIG_ENDIAN };
 
 enum {
-    TD_PLY_NONE = 0, /* as a list's count type: not a list */
+    TD_PLY_NONE = 0, /* as a list's count type: the property isn't a list */
     TD_PLY_INT8,
     TD_PLY_UINT8,
     TD_PLY_INT16,
@@ -26,7 +26,7 @@ enum {
     TD_PLY_FLOAT64
 };
 
-/* A word of the header, where it stands: not terminated. */
+/* A word within the header, without a NUL. */
 typedef struct td_ply_word {
     const char *text;
     size_t length;
@@ -39,34 +39,35 @@ typedef struct td_ply_property {
 
 typedef struct td_ply_element {
     td_ply_word name;
-    uint64_t count; /* rows that the header declares */
+    uint64_t count; /* number of rows */
     size_t first_property, properties;
     size_t line;
 } td_ply_element;
 
 typedef struct td_ply_header {
     int format;
-    size_t body;      /* byte where the rows begin */
-    size_t lines;     /* of the header, its last one included */
-    double up[3];     /* what comments say of where up is; zeros: nothing */
-    td_ply_word mode; /* of the last comment that says how its splats are drawn: "mip", "default", "2dgs"; empty: none does */
-    td_ply_word transfer, exponent; /* the words of "comment ColourTransfer: gamma 2.2"; empty: none */
+    size_t body;                    /* byte where the rows begin */
+    size_t lines;                   /* number of lines of the header */
+    double up[3];                   /* up direction from comments; zeros: unknown */
+    td_ply_word mode;               /* training mode from comments: "mip", "default", "2dgs"; empty: unknown */
+    td_ply_word transfer, exponent; /* words of "comment ColourTransfer: gamma 2.2"; empty: none */
     td_ply_element *elements;
     td_ply_property *properties; /* of all elements, in order */
     size_t element_count, property_count, element_capacity, property_capacity;
 } td_ply_header;
 
-/* 1 where the word is a number. Needs the C locale (td_plain_begin). */
+/* 1 if the word is a number. The thread must have the C locale (td_plain_begin). */
 int td_ply_number(td_ply_word word, double *value);
 
-/* On success the caller frees the header; its words live as long as the file's bytes. */
+/* On success the caller frees the header. Its words point into the file's bytes. */
 tides_status td_ply_header_parse(const td_ply_file *file, td_ply_header *header, tides_error *error);
 void td_ply_header_free(td_ply_header *header);
 
 int td_ply_word_is(td_ply_word word, const char *text);
-int td_ply_word_reads(td_ply_word word, const char *text); /* in capitals or not */
+int td_ply_word_reads(td_ply_word word, const char *text); /* in any case */
 
-/* The word as printable text of at most 40 characters, for messages; the buffer lives as long as the caller's block. */
+/* The word as printable text of at most 40 characters, for messages. The text of TD_PLY_QUOTE lives until the end of the
+ * enclosing block. */
 enum { TD_PLY_QUOTE_BYTES = 44 };
 const char *td_ply_quote(td_ply_word word, char text[TD_PLY_QUOTE_BYTES]);
 #define TD_PLY_QUOTE(word) td_ply_quote(word, (char[TD_PLY_QUOTE_BYTES]){""})
@@ -76,24 +77,23 @@ const td_ply_element *td_ply_find_element(const td_ply_header *header, const cha
 /* Bytes of a value; 0 for TD_PLY_NONE. */
 size_t td_ply_type_bytes(int type);
 
-/* How far the file has been read: the next byte, and (ASCII only) the last line. Starts at {header.body, header.lines}. */
+/* Position of reading: next byte, and (ASCII only) last line. It starts at {header.body, header.lines}. */
 typedef struct td_ply_cursor {
     size_t at, line;
 } td_ply_cursor;
 
-/* Where the values of one property go: row i to base[i * stride], and without rounding to wide[i * stride]; NULL skips it. */
+/* Target of one property: row i goes to base[i * stride] or, without rounding, to wide[i * stride]; NULL: skipped. */
 typedef struct td_ply_column {
     float *base;
     size_t stride;
     double *wide;
 } td_ply_column;
 
-/* TIDES_BAD_FILE where the element's rows can't possibly fit in what is left of the file: to be asked before memory is
- * allocated for them. */
+/* TIDES_BAD_FILE if the element's rows can't fit into the rest of the file. Call it before memory is allocated for them. */
 tides_status td_ply_rows_fit(const td_ply_file *file, const td_ply_header *header, const td_ply_element *element,
                              const td_ply_cursor *cursor, tides_error *error);
 
-/* Reads all rows of an element into `columns` (one per property; NULL skips the element) and moves the cursor behind them.
+/* Reads all rows of an element into `columns` (one per property; NULL skips the element), and moves the cursor behind them.
  * Values beyond float's range become infinite. */
 tides_status td_ply_rows_read(const td_ply_file *file, const td_ply_header *header, const td_ply_element *element,
                               const td_ply_column *columns, td_ply_cursor *cursor, tides_error *error);

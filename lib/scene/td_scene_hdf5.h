@@ -1,4 +1,4 @@
-/* Internal: what the reader and the writer of TIDES's scene files must agree on; the layout itself is in scene_hdf5.c. */
+/* Internal: versions and names on which the reader and the writer of TIDES's scene files must agree. */
 #ifndef TD_SCENE_HDF5_H
 #define TD_SCENE_HDF5_H
 
@@ -7,13 +7,13 @@
 
 #define TD_SCENE_HDF5_FORMAT "tides-scene"
 
-/* Raised when a reader of the version before couldn't make sense of the file: 2 where a motion is in it, else still 1. */
+/* The version is raised when older readers would misread the file: 2 for a file with a motion, otherwise still 1. */
 enum { TD_SCENE_HDF5_STILL = 1, TD_SCENE_HDF5_VERSION = 2 };
 
 /* Values of the attribute `trained` of an object, by TIDES_TRAINED_*. */
 extern const char *const td_trained_names[];
 
-/* The group `motion` of an object; reading leaves NULL where there is none (motion_hdf5.c). */
+/* Write and read the group `motion` of an object; without such a group the motion is NULL. */
 tides_status td_motion_hdf5_write(const td_place *object, const tides_motion *motion, double duration_s);
 tides_status td_motion_hdf5_read(const td_place *object, tides_motion **motion, double *duration_s);
 

@@ -6,19 +6,20 @@
 
 #include <cjson/cJSON.h>
 
-/* The caller deletes it. TIDES_BAD_FILE where `size` bytes are no JSON; `name` (nullable) is that of a file within `path`. */
+/* Parses JSON, which the caller deletes. TIDES_BAD_FILE if it is invalid; `name` (may be NULL) is a file within `path`. */
 tides_status td_splat_json(const char *path, const char *name, const void *text, size_t size, cJSON **json, tides_error *error);
 
-/* object.key as a whole number from `least` to `most`; -1 where it isn't one. */
+/* object.key as a whole number from `least` to `most`; -1 if it isn't one. */
 int64_t td_json_whole(const cJSON *object, const char *key, int64_t least, int64_t most);
 
-/* object.key as `count` finite numbers within float's range. 0: it isn't. */
+/* Reads object.key as `count` finite numbers within float's range; 0 if it isn't that. */
 int td_json_numbers(const cJSON *object, const char *key, double *values, int count);
 
-/* object.key's text; NULL where it has none. */
+/* The text of object.key; NULL if it isn't a text. */
 const char *td_json_text(const cJSON *object, const char *key);
 
-/* 1 where a name that JSON gives to a file is of one beside it, or in a folder below: nothing else is looked at. */
+/* 1 if a file name from JSON lies beside the JSON or in a folder below it. Other names are refused, so that a scene can't
+ * make TIDES read other files. */
 int td_json_is_below(const char *name);
 
 #endif

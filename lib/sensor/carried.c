@@ -1,15 +1,15 @@
-/* The one list of the state that pixels carry from one step to the next, for the blocks that are on. Checkpoints and a step's
- * undoing take the arrays that have names in the list. The solver puts single pixels back by all arrays of the list. A block's
- * new state is one row here.
+/* The one list of the state that pixels carry from one step to the next, for the blocks that are on. Checkpoints save its
+ * arrays that have names, and so does the undoing of a step. The solver puts single pixels back by all its arrays. New state of
+ * a block is one row here.
  *
- * Thresholds, leaks and the like aren't carried: they are drawn anew from the seed. */
+ * Thresholds, leaks and other values that are drawn once per pixel aren't carried: they are drawn again from the seed. */
 #include "td_base.h"
 #include "td_sensor.h"
 
 #include <string.h>
 
-/* An array of the list: `real` or `count` is given. An array without a name follows from the others (td_sensor_resume). It is
- * kept for single pixels only, since it would have to be computed again. */
+/* An array of the list: `real` or `count` is given. An array without a name follows from the others (td_sensor_resume) and
+ * isn't saved. It is listed for single pixels, for which computing it again would take time. */
 typedef struct listed {
     const char *name;
     double *real;
@@ -61,7 +61,7 @@ void td_sensor_state(td_sensor *s, td_state *state) {
             td_state_add(state, s->carry[i].name, s->carry[i].type, TD_STATE_PIXELS, s->count, s->carry[i].values);
 }
 
-/* Each in a word of its own. */
+/* Each value is copied into a 64-bit word. */
 void td_sensor_keep(const td_sensor *s, size_t pixel, td_kept_pixel *kept) {
     kept->words = s->carried;
     for (int i = 0; i < s->carried; i++) {

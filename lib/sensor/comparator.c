@@ -1,8 +1,8 @@
 /* The comparator over the pixels of a tile (paper, "Comparator and sensor model"; DESIGN 3.2 to 3.4).
  *
- * Most pixels do nothing in most steps. Blocks of them are passed over by comparing control values with levels, in loops that
- * compilers turn into vector code, behind low-passes and the circuit too; only what is left goes to td_ideal.h or pixel.c, one
- * pixel after the other. The high-pass takes each pixel by itself. */
+ * Most pixels do nothing in most steps. Blocks of pixels are passed over by comparing control values with levels, in loops that
+ * vectorise, behind low-passes and the circuit too. The others are handled one by one: ideal pixels in td_ideal.h, pixels with
+ * blocks in pixel.c. Behind a high-pass each pixel is handled by itself. */
 #include "td_ideal.h"
 #include "td_ideal_block.h"
 #include "td_pixel.h"
@@ -15,12 +15,13 @@
 
 enum { BLOCK = TD_IDEAL_BLOCK };
 
-/* A block's additive noise and kicks in the step: where the noise's segments end, and the levels less the bounds of both. */
+/* A block's additive noise and kicks in the step: the noise's segments at the step's end, and the levels less the bounds of
+ * noise and kicks. */
 typedef struct noise_block {
     double segment[BLOCK], value[BLOCK], light[BLOCK], on[BLOCK], off[BLOCK];
 } noise_block;
 
-/* A call's facts that its parts share. */
+/* The arguments of a call, and what follows from them. */
 typedef struct tile_job {
     td_pixel_job pixel;
     const td_tile *tile;
@@ -28,17 +29,17 @@ typedef struct tile_job {
     const td_signals *signals;
     const td_coverage *coverage;
     double stop;            /* every wake-up of this step is at or before this time [ns since the run's start] */
-    size_t begun;           /* pixels of the tile before the block at hand */
-    const double *on, *off; /* the block's levels: what its signals must stay within to need nothing */
+    size_t begun;           /* number in the tile of the current block's first pixel */
+    const double *on, *off; /* the block's levels: signals that stay within them need nothing */
     noise_block *noise;     /* NULL: there is none */
-    td_pieces *pieces;      /* of the one pixel at hand; NULL: its signals at the step's ends are all */
+    td_pieces *pieces;      /* of the single pixel at hand; NULL: its model follows from its signals at the step's ends */
 } tile_job;
 
 static uint16_t column(const tile_job *job, size_t j) { return (uint16_t)(job->tile->x0 + (int32_t)j % job->tile->width); }
 
 static uint16_t row(const tile_job *job, size_t j) { return (uint16_t)(job->tile->y0 + (int32_t)j / job->tile->width); }
 
-/* Rates that the model doesn't read count as 0. */
+/* The model of pixel j. Rates that `kind` doesn't use count as 0. */
 static inline td_model fit(int32_t kind, const td_signals *signals, double h, size_t j) {
     double S0_dot = kind == TIDES_MODEL_SECANT ? 0.0 : signals->S0_dot[j];
     double S1_dot = kind == TIDES_MODEL_HERMITE ? signals->S1_dot[j] : 0.0;
@@ -48,7 +49,7 @@ static inline td_model fit(int32_t kind, const td_signals *signals, double h, si
 /* outside[k] = 0 where pixel j = first + k needs nothing, otherwise 1. It needs nothing if the control values of S_eff and its
  * end are all strictly between the levels (NaN isn't), and no wake-up is due. An ideal pixel's levels are the sensor's own, and
  * it has no leak. With `kind` and `ideal` constant the loop is straight-line code that vectorises (gcc -O3 -fopt-info-vec names
- * it). The flags are doubles, set one comparison at a time, because gcc 12 gives up where comparisons of doubles end in
+ * it). Flags are doubles, set by one comparison at a time, because gcc 12 doesn't vectorise comparisons of doubles that give
  * integers. */
 static inline void reject(int32_t kind, int ideal, const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
@@ -84,7 +85,7 @@ static inline void reject(int32_t kind, int ideal, const tile_job *job, size_t f
     }
 }
 
-/* `reject` for the model at hand, each with its own loop. */
+/* Calls `reject` with the model's kind as a constant. */
 static inline void reject_any(int ideal, const tile_job *job, size_t first, size_t count, double *outside) {
     switch (job->pixel.sensor->model) {
         case TIDES_MODEL_LINEAR: reject(TIDES_MODEL_LINEAR, ideal, job, first, count, outside); break;
@@ -121,7 +122,7 @@ TD_WIDE static void gather_block(const tile_job *job, size_t first, size_t count
     }
 }
 
-/* The filters of `count` pixels from the sensor's pixel `at` on; returns how many states they have. */
+/* Steps the filters of `count` pixels from the sensor's pixel `at` on. Returns the number of their states. */
 static int step_filters(const tile_job *job, size_t at, size_t count, const double *const control[4],
                         double after[TD_FRONTEND_STATE][BLOCK], double *low, double *high) {
     const td_sensor *sensor = job->pixel.sensor;
@@ -140,8 +141,8 @@ static int step_filters(const tile_job *job, size_t at, size_t count, const doub
     return 1;
 }
 
-/* `reject` behind filters. The pixels that need nothing are at the step's end then; the others are as they were.
- * `slack` is for rounding here, so that none is passed over that its response would take to a level. */
+/* `reject` for pixels behind filters. Pixels that need nothing get their state at the step's end; the others keep theirs.
+ * `slack` covers rounding, so that no pixel is passed over whose response reaches a level. */
 static void reject_filtered(const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t at = job->first + first;
@@ -179,7 +180,7 @@ static void set_visible(const tile_job *job, size_t j, td_pixel_step *pixel) {
         pixel->visible_to = crossing;
 }
 
-/* The filters' answer to the pixel's input, and their state at the step's end. */
+/* Computes the pixel's response behind the filters, and their state at the step's end. */
 static void filter(const tile_job *job, td_pixel_step *pixel) {
     td_sensor *sensor = job->pixel.sensor;
     double state[TD_FRONTEND_STATE] = {0};
@@ -191,7 +192,7 @@ static void filter(const tile_job *job, td_pixel_step *pixel) {
     pixel->end = state[0];
 }
 
-/* reject, of one filtered pixel. */
+/* 1 where a filtered pixel needs nothing: its response stays within the levels, and no wake-up is due. */
 static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t k = pixel->local - job->begun;
@@ -200,7 +201,8 @@ static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
     return low > reference - job->off[k] && high < reference + job->on[k] && sensor->wake[pixel->i] > job->stop;
 }
 
-/* Which pixels of a block need something; those that don't are at the step's end then, but for their noise. */
+/* Finds the pixels of a block that need something. The others' filters then have their state at the step's end; their noise
+ * doesn't yet. */
 static void reject_block(const tile_job *job, size_t first, size_t count, double *outside) {
     const td_sensor *sensor = job->pixel.sensor;
     if (!sensor->frontend.on)
@@ -209,12 +211,12 @@ static void reject_block(const tile_job *job, size_t first, size_t count, double
         reject_filtered(job, first, count, outside);
 }
 
-/* The high-pass takes each pixel by itself. */
+/* 1 where pixels can be passed over in blocks: not behind a high-pass. */
 static int can_reject(const td_sensor *sensor) { return !sensor->exhaustive && sensor->frontend.kind != TD_FRONTEND_HIGHPASS; }
 
 /* -- blocks ---------------------------------------------------------------------------------------------------------------- */
 
-/* The pixel's light on the step. */
+/* The model of the pixel's log-luminance on the step. */
 static td_model light_of(const tile_job *job, size_t j) {
     const double h = job->pixel.step->length_s;
     return job->pixel.light ? fit(TIDES_MODEL_HERMITE, job->pixel.light, h, j)
@@ -252,7 +254,8 @@ static void add_kicks(const tile_job *job, size_t first, size_t count, double *l
     }
 }
 
-/* The block's levels. `slack` is for rounding, so that none is passed over that a segment would take to a level. */
+/* The block's levels, within which noise can't reach one. `slack` covers rounding, so that no pixel is passed over that noise
+ * takes to a level. */
 static void take_levels(tile_job *job, size_t first, size_t count) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t at = job->first + first;
@@ -276,7 +279,7 @@ static void take_levels(tile_job *job, size_t first, size_t count) {
     job->off = noise->off;
 }
 
-/* A pixel that needs nothing is at the step's end. */
+/* Takes the noise of a pixel that needs nothing to the step's end. */
 static void pass_over(const tile_job *job, size_t j) {
     td_sensor *sensor = job->pixel.sensor;
     if (!job->noise || !sensor->additive.on) return;
@@ -341,7 +344,7 @@ void td_work_release(td_work *work) {
     td_work_clear(work);
 }
 
-/* Takes back the events from `before` on; of ideal pixels, each says which count it has raised. */
+/* Undoes the events from number `before` on. An ideal pixel's counts follow from its events. */
 static void undo(const tile_job *job, size_t before) {
     const td_sensor *sensor = job->pixel.sensor;
     const td_pixels *pixels = &sensor->pixels;
@@ -359,7 +362,7 @@ static void undo(const tile_job *job, size_t before) {
     job->pixel.buffer->count = before;
 }
 
-/* Ideal pixels. */
+/* Advances a block of ideal pixels. */
 static tides_status step_ideal_block(tile_job *job, size_t first, size_t count) {
     double outside[BLOCK];
     if (job->pixel.sensor->exhaustive)
@@ -370,7 +373,7 @@ static tides_status step_ideal_block(tile_job *job, size_t first, size_t count) 
     return td_ideal_block_step(&job->pixel, &block, outside);
 }
 
-/* Pixels with blocks. */
+/* Advances a block of pixels with blocks of the sensor model. */
 static tides_status step_block(tile_job *job, size_t first, size_t count) {
     const int rejects = can_reject(job->pixel.sensor);
     double outside[BLOCK];
@@ -401,7 +404,7 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
                        "sensor: kick_recovery_s is %g, too short for a step of %g s: at least a %gth of it",
                        1e-9 * sensor->kick.recovery_ns, step->length_s, TD_KICK_STEP_MAX);
     job.pixel.start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
-    job.stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* floored, and less one where another step follows */
+    job.stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* stop_ns may be 1 less and is floored */
     job.noise = sensor->additive.on || sensor->kick.on ? &noise : NULL;
     for (size_t done = 0; done < pixels; done += BLOCK) {
         const size_t count = pixels - done < BLOCK ? pixels - done : BLOCK;
@@ -429,7 +432,7 @@ static tides_status advance_pixel(const td_pixel_job *pixel, const td_sensor_sin
                     .signals = &signals,
                     .coverage = &single->coverage,
                     .pieces = single->pieces};
-    job.stop = (double)(single->step->stop_ns - pixel->sensor->start_ns) + 2; /* as in td_sensor_step */
+    job.stop = (double)(single->step->stop_ns - pixel->sensor->start_ns) + 2; /* stop_ns may be 1 less */
     take_levels(&job, 0, 1);
     tides_status status = step_pixel(&job, 0);
     *counts = job.pixel.counts;

@@ -1,5 +1,5 @@
-/* A sensor's pixels: parameters checked, memory, and what is drawn once per pixel. Where they stand when a run begins,
- * initial.c says; comparator.c takes them from there. */
+/* Creates a sensor's pixels: checks parameters, allocates memory, and draws what is drawn once per pixel. The state in which a
+ * run begins is set in initial.c. */
 #include "td_base.h"
 #include "td_maps.h"
 #include "td_math.h"
@@ -13,7 +13,7 @@
 
 /* -- parameters ---------------------------------------------------------------------------------------------------------- */
 
-/* Rates above this would come faster than whole nanoseconds can tell apart well. */
+/* Highest rates: intervals must be many whole nanoseconds. */
 static const double most_hz = 1e6;
 
 tides_status td_sensor_check_levels(const tides_sensor *s, int32_t model, tides_error *error) {
@@ -29,7 +29,7 @@ tides_status td_sensor_check_levels(const tides_sensor *s, int32_t model, tides_
     return TIDES_OK;
 }
 
-/* The nominal pixel's leak rate [Hz]: the switch's junction, and the part that light adds. */
+/* The nominal pixel's leak rate [Hz]: that of the reset switch's junction, and the part that light adds. */
 static double leak_of(const tides_sensor *s) {
     static const double doubles_c = 8, typed_at_c = 25;
     double rate = s->leak_rate_hz;
@@ -83,7 +83,7 @@ static int makes_noise(const tides_sensor *s) {
 
 /* -- pixels -------------------------------------------------------------------------------------------------------------- */
 
-/* The pixel's own rates, where maps have them. */
+/* Sets the pixel's own rates, where maps have them. */
 static void set_noise(td_shot_noise *noise, const td_maps *maps, size_t i, uint32_t pixel) {
     if (td_maps_has(maps, TD_MAP_NOISE, pixel))
         noise->own[TD_NOISE_SHOT_ON][i] = noise->own[TD_NOISE_SHOT_OFF][i] = 0.5e-9 * maps->map[TD_MAP_NOISE][pixel];
@@ -188,7 +188,7 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
     return td_shot_noise_create(&sensor->sensor, sensor->count, &sensor->noise, error);
 }
 
-/* Rates of pixels' own, where maps have some. */
+/* Allocates rates per pixel, where maps have some. */
 static tides_status allocate_own(td_sensor *sensor, const td_maps *maps, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int k = 0; k < TD_NOISES && status == TIDES_OK; k++)
@@ -197,7 +197,8 @@ static tides_status allocate_own(td_sensor *sensor, const td_maps *maps, tides_e
     return status;
 }
 
-/* The file's, if one is named, for an image as large as the tiles are. The name is the caller's, and isn't kept. */
+/* Reads the file of maps, if one is named, for an image as large as the tiles. The file's name is the caller's, and isn't
+ * kept. */
 static tides_status read_maps(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, td_maps *maps, tides_error *error) {
     const char *path = sensor->sensor.maps;
     int32_t height = 0;
@@ -213,10 +214,10 @@ static tides_status read_maps(td_sensor *sensor, const td_tile *tiles, int32_t t
     return status;
 }
 
-/* Sets up the blocks that the parameters ask for, and the run's start as steps count from it. */
+/* Sets up the blocks that the parameters ask for, and the run's start [ns]. */
 static tides_status set_blocks(td_sensor *sensor, const td_maps *maps, double start, tides_error *error) {
     const tides_sensor *params = &sensor->sensor;
-    td_step first; /* how the simulator's steps split that time */
+    td_step first; /* splits a time as steps of the simulator do */
     tides_status status = td_frontend_make(params, &sensor->frontend, error);
     if (status == TIDES_OK) status = td_additive_noise_make(params, sensor->log_eps, &sensor->additive, error);
     if (status == TIDES_OK) status = td_kick_make(params, start, &sensor->kick, error);

@@ -1,4 +1,4 @@
-/* The estimated error of a tile's step, over the pixels that may fire in it, for the solver's step control. */
+/* The estimated error of a tile's step, over the pixels that may fire in it, for the step control of the solver. */
 #include "td_estimate.h"
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
@@ -9,16 +9,16 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Error that single precision leaves in S on its way through the renderer. A smaller error is rounding, which no cut removes.
- * Divided by the slope of a pixel that hardly moves, rounding would look like any time. */
+/* Error of S that single precision leaves in the renderer. A smaller error is rounding, which no cut removes. Divided by the
+ * slope of a pixel that hardly moves, it would be a large error of time. */
 static const double noise = 1e-6;
 
-/* Additive noise brings a pixel to levels that are this many sigmas from its signal; beyond it hardly ever is. */
+/* Additive noise takes a pixel to levels up to this many sigmas from its signal, and rarely farther. */
 static const double noise_swing = 5;
 
 /* -- one pixel ----------------------------------------------------------------------------------------------------------- */
 
-/* A pixel's step: rates per step; what it may be off by; by how much the range of its control values is widened. */
+/* A pixel's step: values, rates per step, the estimated error, and by how much the range of its control values is widened. */
 typedef struct pixel_step {
     double S0, S1, rate0, rate1, error, bump;
 } pixel_step;
@@ -40,19 +40,19 @@ static void range_of(const pixel_step *p, double *low, double *high) {
     *high = td_greater(td_greater(p->S0, p->S1), td_greater(a, b)) + p->bump;
 }
 
-/* How far S comes at most: along the control values. */
+/* The greatest way of S: along the control values. */
 static inline double way_of(const pixel_step *p) {
     double first = p->rate0 * (1.0 / 3.0), last = p->rate1 * (1.0 / 3.0);
     return fabs(first) + fabs(p->S1 - p->S0 - (first + last)) + fabs(last);
 }
 
-/* Is there a level reference + n C in [low, high]? */
+/* 1 where a level reference + n C lies in [low, high]. */
 static int reaches_level(double low, double high, double reference, double threshold) {
     return floor((high - reference) / threshold) > floor((low - reference) / threshold) ||
            floor((low - reference) / threshold) * threshold + reference == low;
 }
 
-/* Counts a pixel with an error of `error`, which is `scale` as much in nominal thresholds, and how far it moves in the step. */
+/* Adds a pixel to the worst case. `scale`: nominal over own threshold; `moved`: how far the signal moves in the step. */
 static void count_pixel(const td_estimated *step, const pixel_step *p, double scale, double moved, td_estimate *worst) {
     int says_nothing = step->deviation && p->bump <= step->rounding;
     double timed = td_greater(p->error - noise, 0);
@@ -65,21 +65,21 @@ static void count_pixel(const td_estimated *step, const pixel_step *p, double sc
 
 /* -- a tile of ideal pixels ---------------------------------------------------------------------------------------------- */
 
-enum { LANES = 16 };  /* pixels side by side: of each of these and of those that many further on the worst is kept */
-enum { BLOCK = 256 }; /* pixels looked at together */
+enum { LANES = 16 };  /* pixels side by side; each lane keeps the worst of every LANESth pixel */
+enum { BLOCK = 256 }; /* pixels handled together */
 
-/* td_estimate of each lane, `way` in place of crossings; and of which pixels of a block it isn't known yet whether they
- * count. */
+/* td_estimate of each lane, with `way` in place of crossings. Doubts are pixels of a block of which this loop can't tell
+ * whether they count. */
 typedef struct lanes {
     double error[LANES], seconds[LANES], deviation[LANES], rounded[LANES], way[LANES];
-    double doubts[LANES]; /* so many of the lane */
-    double doubt[BLOCK];  /* 1 or 0, of each pixel */
+    double doubts[LANES]; /* their number in the lane */
+    double doubt[BLOCK];  /* 1 or 0, for each pixel */
 } lanes;
 
-/* Pixels `at` and on of the block that begins at pixel `block`, as count_pixel counts them. With `probed` and `levelled`
- * constant the loop is straight-line code that vectorises, by the same means as comparator.c's: flags are doubles, and rounding
- * to a whole number is adding 1.5 x 2^52. `slack` is for rounding here: what reaches_level says is what is found here, or the
- * pixel is in doubt. It is as large as a level where that sum is of no use. NaN is passed over: no comparison is true of it. */
+/* Does what count_pixel does for `count` pixels from number `at` of the block that begins at pixel `block`. With `probed` and
+ * `levelled` constant the loop is straight-line code that vectorises: flags are doubles, and adding 1.5 x 2^52 rounds to a
+ * whole number. `slack` covers rounding in this test: within it of a level a pixel is in doubt. Where such sums can't be
+ * trusted, `slack` is as large as a level. NaN is passed over: no comparison is true of it. */
 static inline void look_at(int probed, int levelled, const td_estimated *step, double threshold, int32_t block, int32_t at,
                            int32_t count, lanes *restrict to) {
     const int32_t first = block + at;
@@ -111,7 +111,7 @@ static inline void look_at(int probed, int levelled, const td_estimated *step, d
         to->seconds[k] = td_greater(told > 0.0 ? seconds : 0.0, to->seconds[k]);
         to->way[k] = td_greater(way_of(&p), to->way[k]);
         if (!levelled) continue;
-        double worse = error > to->error[k] ? open : 0.0; /* what hardly moves is on a level, and no worse than others */
+        double worse = error > to->error[k] ? open : 0.0; /* a pixel that hardly moves is on a level, and no worse */
         worse = seconds > to->seconds[k] ? open : worse;
         if (probed) worse = bump > to->deviation[k] ? open : worse;
         doubt[k] = worse;
@@ -136,16 +136,16 @@ TD_WIDE static void look(const td_estimated *step, int levelled, double threshol
         look_at_all(0, 0, step, threshold, block, count, to);
 }
 
-/* Pixel i, of which `look` was in doubt. */
+/* Pixel i, if it was in doubt: decides with reaches_level. */
 static void ask_ideal(const td_estimated *step, double threshold, int32_t i, td_estimate *worst) {
     const pixel_step p = pixel_of(step, i);
-    /* Where the signal hardly rises, the time of a crossing is only as good as the range that it moves in. */
+    /* Where the signal hardly rises, a crossing's time is only as accurate as the range that the signal moves in. */
     double moved = td_greater(fabs(p.S1 - p.S0), p.error), low, high;
     range_of(&p, &low, &high);
     if (reaches_level(low, high, step->reference[i], threshold)) count_pixel(step, &p, 1, moved, worst);
 }
 
-/* The worst of the lanes. */
+/* Joins the worst of the lanes. */
 static void take_lanes(const lanes *of, double threshold, td_estimate *worst) {
     double way = 0;
     for (int k = 0; k < LANES; k++) {
@@ -187,8 +187,8 @@ void td_sensor_begin_estimates(td_sensor *sensor, size_t first, int32_t count) {
     for (size_t i = first; sensor->on && i < first + (size_t)count; i++) sensor->reach[i] = sensor->held_until[i] > -INFINITY;
 }
 
-/* 1 where the pixel may fire within the step, or may have fired in the macro step before it, as far as is known. `low` and
- * `high` bound S_eff. */
+/* 1 where the pixel may fire within the step, or may have fired earlier in the macro step, as far as is known. `low` and `high`
+ * bound S_eff. */
 static int may_fire(td_sensor *sensor, size_t i, int cuts, double low, double high, double reference) {
     double on = sensor->threshold_on[i], off = sensor->threshold_off[i];
     if (on == off && !td_sensor_holds(sensor)) return reaches_level(low, high, reference, on);
@@ -208,7 +208,7 @@ static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, 
         double ramp0 = sensor->leak[i] * time, ramp1 = ramp0 + sensor->leak[i] * step->h * 1e9;
         double low, high, own = td_lesser(sensor->threshold_on[i], sensor->threshold_off[i]);
         worst.crossings = td_greater((way_of(&p) + fabs(ramp1 - ramp0)) / own, worst.crossings);
-        range_of(&p, &low, &high); /* the ramp lies between its ends: bounds need no more */
+        range_of(&p, &low, &high); /* the ramp lies between its ends, which are added below */
         if (step->reference && !may_fire(sensor, i, cuts, low + ramp0 - swing, high + ramp1 + swing, step->reference[k]))
             continue;
         double moved = td_greater(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), p.error);
@@ -217,7 +217,7 @@ static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, 
     return worst;
 }
 
-/* The bits of count_pixel for a tile in which every pixel counts; thresholds and leaks are the tile's. */
+/* Does what count_pixel does, to the bit, for a tile in which every pixel counts; thresholds and leaks are the tile's. */
 static inline void look_filtered(int probed, const td_estimated *step, const double *on, const double *off, const double *leak,
                                  double nominal, double time, int32_t first, int32_t count, lanes *restrict to) {
     const double *S0 = step->signals->S0 + first, *S0_dot = step->signals->S0_dot + first;

@@ -1,9 +1,9 @@
-/* Ideal pixels together. Which levels a pixel goes through in a step can be told from its values where the model turns, without
- * solving an equation. Pixels of a block that need anything are gathered. Loops that vectorise make their models, turns and
- * numbers of levels. The levels are listed, their places are found all at once (signal/crossing_list.c), and then the events
- * are written. How many levels a pixel has nothing can foretell, so that no branch asks where most of them pass. Pixels with
- * anything out of the ordinary (signals that aren't finite, or beyond a level at the step's start; more events than a step may
- * have; an end that asks for more than the model fired) go through td_ideal.h. */
+/* Ideal pixels of a block together. The levels that a pixel crosses in a step follow from its values where the model turns,
+ * without solving an equation. Pixels of the block that need something are gathered. Loops that vectorise compute their models,
+ * turns and numbers of levels. The levels are listed, their places are solved all at once (signal/crossing_list.c), and then
+ * the events are written. The number of levels of a pixel is unpredictable, so that loops avoid branches on it. Unusual pixels
+ * are handled one by one in td_ideal.h: signals that aren't finite, or beyond a level at the step's start; more events than a
+ * step may have; an end that asks for more events than the model fired. */
 #include "td_ideal_block.h"
 
 #include "signal/td_crossing_list.h"
@@ -16,27 +16,27 @@
 
 enum { EACH = TD_CROSSING_LIST_EACH };
 
-/* The block's pixels that need anything: what they come with, and what is made of it in loops over all of them. */
+/* The block's pixels that need something, side by side: their inputs and the results of loops over them. */
 typedef struct busy {
     int count;
-    int k[TD_IDEAL_BLOCK];    /* in the block, */
-    double j[TD_IDEAL_BLOCK]; /* and in the tile */
+    int k[TD_IDEAL_BLOCK];    /* number in the block */
+    double j[TD_IDEAL_BLOCK]; /* number in the tile */
     double S0[TD_IDEAL_BLOCK], S0_dot[TD_IDEAL_BLOCK], S1[TD_IDEAL_BLOCK], S1_dot[TD_IDEAL_BLOCK];
     double initial[TD_IDEAL_BLOCK], reference[TD_IDEAL_BLOCK], on[TD_IDEAL_BLOCK], off[TD_IDEAL_BLOCK]; /* counts */
     double control[4][TD_IDEAL_BLOCK];
-    double is_plain[TD_IDEAL_BLOCK];                                            /* 0: it must take the long way */
-    double bends[TD_IDEAL_BLOCK];                                               /* 0: its model only rises, or only falls: */
+    double is_plain[TD_IDEAL_BLOCK];                                            /* 0: must be handled by td_ideal.h */
+    double bends[TD_IDEAL_BLOCK];                                               /* 0: its model only rises, or only falls */
     double easy[TD_IDEAL_BLOCK];                                                /* 1: plain, and doesn't bend */
-    double rises[TD_IDEAL_BLOCK], falls[TD_IDEAL_BLOCK], after[TD_IDEAL_BLOCK]; /* levels, and the reference then */
-    double first[TD_IDEAL_BLOCK][EACH], guess[TD_IDEAL_BLOCK][EACH]; /* of an easy one's first levels: references, places */
-    double rise[TD_IDEAL_BLOCK];                                     /* and theirs: td_level */
-    int64_t rest[TD_IDEAL_BLOCK];                                    /* what its events say but their time */
+    double rises[TD_IDEAL_BLOCK], falls[TD_IDEAL_BLOCK], after[TD_IDEAL_BLOCK]; /* levels crossed; reference then */
+    double first[TD_IDEAL_BLOCK][EACH], guess[TD_IDEAL_BLOCK][EACH]; /* an easy one's first levels: references, places */
+    double rise[TD_IDEAL_BLOCK];                                     /* the threshold from their references, with its sign */
+    int64_t rest[TD_IDEAL_BLOCK];                                    /* the fields of its events except the time */
 } busy;
 
-/* The sensor's and the step's, for all pixels. */
+/* Numbers of the sensor and the step, the same for all pixels. */
 typedef struct levels {
     double h, on, off; /* [s] the step; thresholds */
-    double most;       /* events of a pixel in a step that is plain */
+    double most;       /* most events of a plain pixel in a step */
 } levels;
 
 typedef struct run {
@@ -45,14 +45,14 @@ typedef struct run {
     levels levels;
     busy busy;
     int begun;      /* the first busy pixel whose levels are listed */
-    td_turns turns; /* of those that bend, in their order */
+    td_turns turns; /* turns of the pixels that bend, in their order */
     td_crossing_list list;
-    int64_t rest[TD_CROSSING_LIST_ALL]; /* of each level's event */
+    int64_t rest[TD_CROSSING_LIST_ALL]; /* of each level's event: its fields except the time */
 } run;
 
 /* -- all at once ----------------------------------------------------------------------------------------------------------- */
 
-/* Which pixels are marked. Where many are, and many aren't, nothing can foretell branches. */
+/* Lists the marked pixels without a branch on the mark, which would often be mispredicted. */
 static int pick(const double *mark, size_t count, int *k) {
     int n = 0;
     if (td_next_mark(mark, 0, count) == count) return 0;
@@ -63,7 +63,7 @@ static int pick(const double *mark, size_t count, int *k) {
     return n;
 }
 
-/* Gathers the busy pixels' numbers side by side. Inputs that the model doesn't read may be anything. */
+/* Gathers the numbers of the pixels that need something. Rates that the model doesn't use may be anything. */
 static void gather(run *r) {
     busy *restrict b = &r->busy;
     const size_t first = r->block->begin, i = r->block->first + first;
@@ -76,7 +76,7 @@ static void gather(run *r) {
     const int count = td_whole_vectors(b->count);
     for (int n = b->count; n < count; n++) b->k[n] = b->k[n - 1];
     for (int n = 0; n < count; n++) {
-        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): it doesn't follow td_whole_vectors, here and below */
+        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): clang doesn't follow td_whole_vectors, here and below */
         const int k = b->k[n];
         b->j[n] = (double)first + k;
         b->S0[n] = S0[k];
@@ -90,7 +90,8 @@ static void gather(run *r) {
     }
 }
 
-/* 1 where the model turns nowhere for sure, else 0. One comparison at a time: see `reject` of comparator.c. */
+/* 1 where the control values only rise or only fall, so that the model has no turn, else 0. Flags are doubles, set by one
+ * comparison at a time: gcc 12 doesn't vectorise others. */
 static inline double is_straight(const double *c) {
     double up = c[1] > c[0] ? 1.0 : 0.0, down = c[1] < c[0] ? 1.0 : 0.0;
     up = c[2] > c[1] ? up : 0.0;
@@ -100,12 +101,11 @@ static inline double is_straight(const double *c) {
     return up + down;
 }
 
-/* References are told apart from their neighbours, whatever has been rounded in them, where thresholds are this share of the
- * signal. */
+/* Where thresholds are at least this share of the signal, neighbouring references differ, whatever was rounded in them. */
 #define TELLS_APART 0x1p-30
 
-/* How many levels a straight model goes through: guessed by a product, and proven where the last one is reached and the next
- * one isn't; 0 where that can't be. */
+/* How many levels a straight model crosses, guessed by a multiplication. It is proven if the last level is reached and the next
+ * one isn't; else 0 is returned. */
 static inline double count_levels(const levels *l, double end, int n, busy *restrict b) {
     const double initial = b->initial[n], residual = end - b->reference[n];
     double rises = td_greater(td_whole(residual * (1 / l->on)), 1), falls = td_greater(td_whole(residual * (-1 / l->off)), 1);
@@ -170,25 +170,24 @@ static void find_turns(run *r) {
     if (turns->count > 0) td_turns_find(turns);
 }
 
-/* An event's fields but its time, packed in a number: these are the fields' first bits. Only rest_of and write_events know
- * them. */
+/* Places of an event's fields, except the time, packed in a number: the first bits of each field. */
 enum { AT_Y = 16, AT_POLARITY = 32, AT_CAUSE = 40 };
 #define FIELD(bits) (1.0 * ((uint64_t)1 << (bits)))
 
-/* The packed fields of an event of pixel j of the tile. It computes in doubles, since divisions of integers don't vectorise. */
+/* The packed fields of an event of pixel j of the tile. Computed in doubles, since divisions of integers don't vectorise. */
 static inline double rest_of(const td_tile *tile, double per_width, double j, int rises) {
     const double row = td_whole((j + 0.5) * per_width), x = tile->x0 + (j - row * tile->width), y = tile->y0 + row;
     return x + y * FIELD(AT_Y) + (rises ? 1.0 : 255.0) * FIELD(AT_POLARITY) + TIDES_CAUSE_SIGNAL * FIELD(AT_CAUSE);
 }
 
-/* The first levels of easy pixels, and where the chord of each is at them. */
+/* The first levels of easy pixels, and where the chord of each model crosses them. */
 TD_WIDE static void find_first(const levels *given, const td_ideal_block *block, busy *restrict b) {
     const levels l = *given;
     const td_tile tile = *block->tile;
     const double per_width = 1.0 / tile.width;
     const int count = td_whole_vectors(b->count);
     for (int n = 0; n < count; n++) {
-        /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): as in `gather` */
+        /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): clang doesn't follow td_whole_vectors */
         const double up = td_lesser(b->rises[n], 1), down = 1 - up, rise = up * l.on - down * l.off;
         const double from = b->control[0][n], per = 1 / (b->control[3][n] - from);
         for (int i = 0; i < EACH; i++) {
@@ -208,7 +207,7 @@ static td_model model_of(const run *r, int n) {
 
 /* -- listing --------------------------------------------------------------------------------------------------------------- */
 
-/* Lists level k of the piece, and those after it. */
+/* Lists levels k to k + EACH - 1, all of one piece. */
 static inline void put(run *r, int k, const td_crossing_piece *piece, const double *reference, const double *guess, double rise,
                        int64_t rest) {
     const int64_t each[EACH] = {rest, rest, rest, rest};
@@ -216,7 +215,7 @@ static inline void put(run *r, int k, const td_crossing_piece *piece, const doub
     td_crossing_list_put(&r->list, k, piece, reference, guess, rise);
 }
 
-/* Level number i of an easy pixel, and those after it. */
+/* Lists levels i to i + EACH - 1 of an easy pixel. */
 static void put_later(run *r, int n, int i, const td_crossing_piece *piece) {
     const levels *l = &r->levels;
     const busy *b = &r->busy;
@@ -231,8 +230,8 @@ static void put_later(run *r, int n, int i, const td_crossing_piece *piece) {
     put(r, piece->first + i, piece, reference, guess, rise, b->rest[n]);
 }
 
-/* Lists the levels of busy pixels from n on, as long as these are easy and find room. Returns the first that isn't, or
- * doesn't. */
+/* Lists the levels of busy pixels from n on, as long as these are easy and there is room. Returns the first pixel that isn't
+ * listed. */
 TD_WIDE static int list_easy(run *r, int n) {
     const busy *b = &r->busy;
     for (; n < b->count && b->easy[n] != 0.0; n++) {
@@ -246,7 +245,7 @@ TD_WIDE static int list_easy(run *r, int n) {
     return n;
 }
 
-/* The levels on one monotone piece of busy pixel n; 0 where they are too many. */
+/* Lists the levels on one monotone piece of busy pixel n. Returns 0 where they are too many. */
 static int list_piece(run *r, int n, const td_model *model, const double end[2], const double value[2]) {
     const double on = r->levels.on, off = r->levels.off, per = (end[1] - end[0]) / (value[1] - value[0]);
     const double *c = model->control;
@@ -268,8 +267,8 @@ static int list_piece(run *r, int n, const td_model *model, const double end[2],
     }
 }
 
-/* All levels of busy pixel n, the `turn`th of those that bend; 0, and none of them, where they find no room or it must take the
- * long way. */
+/* Lists all levels of busy pixel n, which is number `turn` of those that bend. Returns 0, with none listed, where there is no
+ * room or the pixel is unusual. */
 static int list_bent(run *r, int n, int turn) {
     const td_turns *t = &r->turns;
     const td_model model = model_of(r, n);
@@ -322,7 +321,7 @@ static void leave(run *r, int from, int to) {
     r->job->counts.events_off += (uint64_t)off;
 }
 
-/* Fires what is listed, of the busy pixels before n. */
+/* Fires the listed events, of the busy pixels before n. */
 static tides_status fire(run *r, int n) {
     td_pixel_job *job = r->job;
     const size_t count = (size_t)r->list.count;
@@ -352,7 +351,7 @@ static tides_status take_long_way(run *r, int n) {
     return td_ideal_advance(r->job, b->first + j, column(b->tile, j), row(b->tile, j), &model, NULL, b->signals->S1[j]);
 }
 
-/* Busy pixel *n, which isn't easy, or found no room: it may in an empty list. *n becomes the next. */
+/* Handles busy pixel *n, which isn't easy, or didn't find room and is tried with an empty list. *n becomes the next pixel. */
 static tides_status take(run *r, int *n, int turn) {
     const busy *b = &r->busy;
     const int now = *n, bends = b->is_plain[now] != 0.0 && b->bends[now] != 0.0;

@@ -1,16 +1,16 @@
 /* The state of pixels when a run begins, by sensor.initial.
  *
- * STEADY is a renewal process. At rest a pixel is reset by what comes first of the leak, C+ / r after the reset, and of noise
- * events, at the rate n (both shot noises as its light thins them, and a hot pixel's own), which none come of for a time D, the
- * refractory period. So the age since the last reset has the density of survival,
+ * STEADY is a renewal process. At rest a pixel is reset by the leak, C+ / r after the last reset, or by noise events before
+ * that. Noise events have the rate n: both shot noises as the pixel's light thins them, and a hot pixel's own. None comes
+ * within the refractory period D. So the age a since the last reset has the density of survival,
  *
  *   1 up to D, e^(-n (a - D)) from there to the leak's time T = C+ / r (HOLD: D + C+ / r, for the reference follows while it is
  *   held), 0 beyond,
  *
- * and the signal stands r a (HOLD: r (a - D), from 0) above the reference. A leak that brings a pixel to its level within D
- * fires at D (DROP_KEEP), or loses crossings (DROP_CONSUME): then T is D, and the reference follows in whole thresholds.
+ * and the signal is r a (HOLD: r (a - D), from 0) above the reference. A leak that brings a pixel to its level within D fires
+ * at D (DROP_KEEP), or loses crossings (DROP_CONSUME). Then T is D, and the reference follows in whole thresholds.
  *
- * With additive noise, which remembers where it was, that isn't so: see td_steady.h. */
+ * Additive noise has a memory, so that this law doesn't hold with it: td_steady.h has another. */
 #include "td_base.h"
 #include "td_math.h"
 #include "td_random.h"
@@ -19,7 +19,7 @@
 
 #include <math.h>
 
-/* Noise events of a pixel that sees L [1/ns]. */
+/* Rate of noise events of a pixel with log-luminance L [1/ns]. */
 static double noise_rate(const td_sensor *sensor, size_t i, double L) {
     const td_shot_noise *noise = &sensor->noise;
     double rate = 0;
@@ -29,7 +29,8 @@ static double noise_rate(const td_sensor *sensor, size_t i, double L) {
     return rate + td_shot_noise_rate(noise, TD_NOISE_HOT, i);
 }
 
-/* The age at which a share `u` of the survival's area is below: `length` of the part that falls at `rate`, INFINITY at most. */
+/* The age below which the share `u` of all ages is, at most INFINITY. Survival is 1 up to `held`, then falls at `rate` for
+ * `length`. */
 static double age_at(double u, double held, double length, double rate) {
     const double falling = rate > 0 ? -td_expm1(-rate * length) / rate : length;
     const double area = u * (held + falling);
@@ -37,7 +38,7 @@ static double age_at(double u, double held, double length, double rate) {
     return held + (rate > 0 ? fmin(-td_log1p(-rate * (area - held)) / rate, length) : fmin(area - held, length));
 }
 
-/* The steady state of a pixel that is reset now and then. */
+/* A random state of a pixel that has been at rest for ever. */
 static td_initial steady(const td_sensor *sensor, size_t i, double L) {
     const double leak = sensor->leak[i], on = sensor->threshold_on[i], held = sensor->refractory_ns;
     const int holds = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD;
@@ -48,7 +49,7 @@ static td_initial steady(const td_sensor *sensor, size_t i, double L) {
     const double age = age_at(sensor->draw[i], held, holds ? climb : fmax(climb - held, 0), rate);
     const double climbed = leak * (holds ? fmax(age - held, 0) : age);
     td_initial at = {climbed, age, fmax(held - age, 0)};
-    if (at.offset >= on) at.offset = fmod(at.offset, on); /* rounding, or crossings within the refractory period */
+    if (at.offset >= on) at.offset = fmod(at.offset, on); /* rounding, or crossings lost in the refractory period */
     return at;
 }
 
@@ -86,7 +87,7 @@ void td_sensor_refer(td_sensor *sensor, size_t i, double L) {
     sensor->pixels.initial[i] = sensor->pixels.reference[i] = L - offset;
 }
 
-/* Noise has gone on for ever in this light. */
+/* Starts the pixel's noise as a process that has gone on for ever in this light. */
 static void begin_noise(td_sensor *sensor, size_t i, double L) {
     const double light = isfinite(L) ? L : 0;
     sensor->noise_segment[i] = 0;

@@ -1,7 +1,7 @@
 /* One pixel over one step: crossings, ends of refractory periods, noise and mask, in time order.
  *
- * The walk stands at s and asks what comes next. Held and masked parts are passed over, each in its own way; between them
- * the first crossing before the next noise event fires, or that event does. */
+ * The walk goes from one s in the step to the next. Held and masked parts are passed over, each in its own way. Between them,
+ * the first crossing fires, or the next noise event if that comes first. */
 #include "td_pixel.h"
 #include "td_half.h"
 #include "td_base.h"
@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-/* The pixel while it is being worked through. */
+/* A pixel on its way through the step. */
 typedef struct walk {
     td_pixel_job *job;
     const td_pixel_step *pixel;
@@ -18,15 +18,15 @@ typedef struct walk {
     uint32_t count_on, count_off;
     int32_t fired;   /* in this step */
     int32_t crossed; /* of these, the response's crossings: bound by max_events_per_step */
-    int cut;         /* there were more */
+    int cut;         /* 1: there were more */
     double s;
-    td_noise_segment segment; /* of the additive noise, where there is one: it holds where the walk stands, */
-    double segment_until;     /* and ends here, or where the row is read next */
+    td_noise_segment segment; /* additive noise: the segment that contains the walk's s */
+    double segment_until;     /* its end in s, or the row's next read if that is earlier */
     double noise_until, kick_until;
-    double kick, kick_rate, kick_ns; /* the row's kicks are kick e^(-kick_rate s) here; when the next read is */
+    double kick, kick_rate, kick_ns; /* kicks: their sum is kick e^(-kick_rate s); the next read [ns] */
     double low, high;                /* bounds of the pixel's response without noise */
-    td_response noisy;               /* room for the response with some of it */
-    td_response kicked;              /* the response with the kicks, as they are here */
+    td_response noisy;               /* a response with noise added, for the search */
+    td_response kicked;              /* the response with the kicks up to now */
 } walk;
 
 static double time_at(const walk *w, double s) { return w->job->start + s * w->job->step->length_ns; }
@@ -39,7 +39,7 @@ static double *since(const walk *w) { return &w->job->sensor->since[w->pixel->i]
 
 /* -- kicks ----------------------------------------------------------------------------------------------------------------- */
 
-/* The decaying part is a mode of the response behind its own. */
+/* Puts the kicks' decay into the response, as one more mode. */
 static void put_kick(walk *w) {
     w->kicked.mode[w->pixel->response.modes].cosine = w->kick;
     if (w->job->sensor->additive.on) w->noisy = w->kicked;
@@ -62,7 +62,7 @@ static void begin_kicks(walk *w) {
     w->high += high;
 }
 
-/* The row's reads up to s have been; a read at the step's end is the next one's. */
+/* Adds the row's reads up to s. A read at the step's end belongs to the next step. */
 static void seek_kick(walk *w, double s) {
     const td_kick *kick = &w->job->sensor->kick;
     while (w->kick_until <= s && w->kick_until < 1) {
@@ -77,7 +77,7 @@ static double kick_at(const walk *w, double s) { return w->job->sensor->kick.on 
 
 /* -- additive noise -------------------------------------------------------------------------------------------------------- */
 
-/* Goes on to the segment of noise that begins at s, or holds it. */
+/* Advances noise and kicks to the segment that contains s. */
 static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (w->segment_until > s) return;
@@ -106,7 +106,7 @@ static void begin_segments(walk *w) {
     seek_segment(w, 0);
 }
 
-/* The noise and the kicks at s, which the segment at hand holds; 0 without. */
+/* The noise and the kicks at s, which lies within the current segment; 0 without them. */
 static double noise_at(const walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     const double kick = kick_at(w, s);
@@ -114,7 +114,7 @@ static double noise_at(const walk *w, double s) {
     return kick + td_noise_value(&sensor->additive, sensor->number[w->pixel->i], &w->segment, time_at(w, s));
 }
 
-/* The first crossing on [from, until], which ends no later than the segment at hand. */
+/* The first crossing on [from, until], which lies within the current segment. */
 static int cross(walk *w, double from, double until, double *at) {
     const td_sensor *sensor = w->job->sensor;
     const td_response *response = sensor->kick.on ? &w->kicked : &w->pixel->response;
@@ -137,7 +137,7 @@ static int cross(walk *w, double from, double until, double *at) {
     return td_noise_crossing(&search, &w->segment, from, until, at);
 }
 
-/* The state becomes the segment that the step's end is on. */
+/* Stores the segment that contains the step's end as the pixel's state. */
 static void end_segments(walk *w) {
     td_sensor *sensor = w->job->sensor;
     if (!sensor->additive.on) return;
@@ -147,7 +147,7 @@ static void end_segments(walk *w) {
     if (sensor->noise_light) sensor->noise_light[w->pixel->i] = w->segment.light;
 }
 
-/* S_eff at the step's end, whatever the response says. */
+/* S_eff at the step's end: the given one, which the response may miss by rounding. */
 static double end_of(walk *w) {
     seek_segment(w, 1);
     return w->pixel->end + noise_at(w, 1);
@@ -155,7 +155,7 @@ static double end_of(walk *w) {
 
 /* -- events and references ------------------------------------------------------------------------------------------------- */
 
-/* tides_event_frontend of an event at s, where the walk stands. */
+/* tides_event_frontend of an event at s: what the front end added. */
 static uint16_t added_at(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     const td_pixel_step *p = w->pixel;
@@ -186,7 +186,7 @@ static void rereference(walk *w, double s) {
     td_pixel_note(w->job, s, w->reference, 0, 0);
 }
 
-/* The reference moves by a threshold, at s: with an event, or because it was consumed. */
+/* Moves the reference by a threshold at s: for an event (`fired`), or for a crossing that is consumed. */
 static void move_reference(walk *w, double s, int polarity, int fired) {
     if (polarity > 0)
         w->count_on++;
@@ -205,7 +205,7 @@ static void begin_refractory(walk *w, double s) {
 static int is_held(const walk *w, double s) { return *held_until(w) > time_at(w, s); }
 
 /* The cause of a crossing: the leak, if its ramp made more than half of the way to the level. A pixel that hasn't fired yet may
- * have begun on its way up; only the rest of the way counts then. */
+ * have begun between its levels; then only the rest of the way counts. */
 static int cause_of(const walk *w, double s, int polarity) {
     const double leak = w->job->sensor->leak[w->pixel->i], begun = fmax(-*since(w), 0);
     const double ramp = leak * (time_at(w, s) - fmax(*since(w), 0)), way = w->on - leak * begun;
@@ -223,7 +223,7 @@ static tides_status fire(walk *w, double s, int64_t t, int polarity) {
 
 /* -- noise --------------------------------------------------------------------------------------------------------------- */
 
-/* The candidate that comes next, at or after where the walk stands; never where none is within the step. */
+/* Place of the next noise candidate, at or after the walk's s; `never` where there is none within the step. */
 static const double never = 2;
 static double next_noise(const walk *w, int *source) {
     const td_sensor *sensor = w->job->sensor;
@@ -254,7 +254,7 @@ static tides_status fire_noise(walk *w, int source, double s) {
     return TIDES_OK;
 }
 
-/* Takes what comes before `until`; what would have fired is counted in `lost`. */
+/* Drops the noise candidates before `until`; those that would have fired are added to `lost`. */
 static void lose_noise(walk *w, double until, uint64_t *lost) {
     int source;
     double s;
@@ -264,7 +264,7 @@ static void lose_noise(walk *w, double until, uint64_t *lost) {
 /* -- held and masked parts of the step
  * --------------------------------------------------------------------------------------------- */
 
-/* Crossings before `until` move the reference and are gone. */
+/* Crossings before `until` move the reference without an event. */
 static void consume(walk *w, double until) {
     double at = w->s, end = fmin(until, 1);
     for (int32_t n = 0; n < TD_EVENTS_PER_PIXEL_MAX;) {
@@ -272,7 +272,7 @@ static void consume(walk *w, double until) {
         double stop = fmin(end, w->segment_until);
         int polarity = cross(w, at, stop, &at);
         if (polarity == 0 && stop < end) {
-            at = stop; /* the noise's next segment */
+            at = stop; /* continues in the noise's next segment */
             continue;
         }
         if (polarity == 0 || at >= until) return;
@@ -308,7 +308,7 @@ static void pass_masked(walk *w) {
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
-/* One part of the step in which the pixel sees: to the first crossing, noise event, or its end. */
+/* Advances through a visible part of the step: to the first crossing or noise event, or to the part's end. */
 static tides_status look(walk *w) {
     const td_pixel_step *p = w->pixel;
     td_pixel_job *job = w->job;
@@ -322,15 +322,15 @@ static tides_status look(walk *w) {
         return TIDES_OK;
     }
     if (polarity) {
-        if (at <= p->visible_from && at > 0) job->counts.suppressed++; /* it waited for this moment */
+        if (at <= p->visible_from && at > 0) job->counts.suppressed++; /* it was put off until the pixel is visible */
         w->crossed++;
         w->s = at;
         return fire(w, at, td_step_time(job->step, at), polarity);
     }
     w->s = until;
     if (noise <= until) return fire_noise(w, source, noise);
-    if (until < last) return TIDES_OK;          /* the noise's next segment */
-    w->s = until < 1 ? nextafter(until, 2) : 2; /* behind the last visible moment, or the step */
+    if (until < last) return TIDES_OK;          /* continues in the noise's next segment */
+    w->s = until < 1 ? nextafter(until, 2) : 2; /* beyond the visible part, or the step */
     return TIDES_OK;
 }
 
@@ -347,8 +347,8 @@ static tides_status follow(walk *w) {
     return status;
 }
 
-/* Fires the events at the step's end that its S asks for and the response didn't give. The pixel must be able to fire then; a
- * refractory one fires once. */
+/* Fires the events for which S at the step's end asks and which the response didn't give. A held or masked pixel fires none;
+ * with a refractory period one at most. */
 static tides_status catch_up(walk *w) {
     const td_pixel_step *p = w->pixel;
     uint64_t *late = w->cut ? &w->job->counts.truncated : &w->job->counts.caught_up;
@@ -379,7 +379,7 @@ tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
     job->counts.solved++;
     if (can_end && td_model_is_finite(&pixel->response.cubic)) {
         status = follow(&w);
-    } else { /* what is due waits for a signal */
+    } else { /* noise waits until signals are finite */
         uint64_t lost = 0;
         lose_noise(&w, 2, &lost);
         job->counts.nonfinite++;

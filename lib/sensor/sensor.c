@@ -1,4 +1,4 @@
-/* The sensor's parameters as a caller first gets them; create.c checks what comes back. */
+/* The parameters of a sensor that a caller gets first, with their sources. */
 #include "tides/sensor.h"
 
 void tides_sensor_defaults(tides_sensor *sensor) {
@@ -14,10 +14,10 @@ void tides_sensor_defaults(tides_sensor *sensor) {
                                   .source_follower_hz = 3122,
                                   .difference_hz = 16000};
     *sensor = (tides_sensor){.size = sizeof *sensor, .max_events_per_step = 64, .threshold_on = 0.2, .threshold_off = 0.2};
-    sensor->threshold_min = 0.01; /* v2e and ESIM clamp there too */
+    sensor->threshold_min = 0.01; /* the limit of v2e and ESIM */
     sensor->hot_pixel_rate_hz = 100;
     sensor->temperature_c = 25;
-    sensor->kick_recovery_s = 2e-3; /* a DAVIS240C's as measured: rows 35.3 us apart, back in about 2 ms; */
+    sensor->kick_recovery_s = 2e-3; /* a DAVIS240C's as measured: rows 35.3 us apart, recovery about 2 ms */
     sensor->kick_row_s = 35.3e-6;
     sensor->kick_rate_hz = 25; /* libcaer's frame interval, and its exposure */
     sensor->kick_reads_s[1] = 4e-3;

@@ -1,4 +1,4 @@
-/* Pixels one at a time, for the solver: which may do something in a step. */
+/* Finds pixels that may do something in a step, for the solver, which then takes them one at a time. */
 #include "td_extremes.h"
 #include "td_sensor.h"
 #include "td_wide.h"
@@ -20,8 +20,8 @@ tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tide
     return status;
 }
 
-/* 1 where the signal stays strictly between the levels, for all that is known, else 0. `ramp` is at the step's start, `rise`
- * within it. NaN doesn't. One comparison at a time, so that loops vectorise (comparator.c). */
+/* 1 where the signal stays strictly between the levels, with an error of up to `widen`, else 0; NaN doesn't. `ramp` is the
+ * leak's at the step's start, `rise` its change within it. One comparison at a time, so that loops vectorise. */
 static inline double stays(const td_signals *at, double h, int32_t i, double ramp, double rise, double widen, double low,
                            double high) {
     const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]);
@@ -40,9 +40,9 @@ static inline double stays(const td_signals *at, double h, int32_t i, double ram
     return r3 > low ? still : 0.0;
 }
 
-enum { BLOCK = 64 }; /* pixels looked at together */
+enum { BLOCK = 64 }; /* pixels handled together */
 
-/* stays() of `count` ideal pixels from number `first` on. */
+/* Marks the ideal pixels from number `first` on whose signal stays between the levels. */
 TD_WIDE static void find_still(const td_signals *signals, double h, int32_t first, int32_t count, const double *widen,
                                const double *reference, double on, double off, double *restrict still) {
     const td_signals at = *signals;
@@ -64,7 +64,7 @@ void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile 
     }
     if (!sensor->on) return;
     const double start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
-    const double stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* as in td_sensor_step */
+    const double stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* + 2: the stop is rounded down, and may be one less */
     for (int32_t i = 0; i < tile->count; i++) {
         const size_t k = first + (size_t)i;
         const double still = stays(signals, h, i, sensor->leak[k] * start, sensor->leak[k] * step->length_ns, widen[i],
@@ -73,15 +73,15 @@ void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile 
     }
 }
 
-/* Thresholds are counted from so many below the reference: numbers are positive then, and whole ones of them are cut off. No
- * log luminance is further away. */
+/* Thresholds are counted from so many below the reference: numbers are then positive, and are rounded down by cutting off. No
+ * log-luminance is farther away. */
 static const double levels_below = 1 << 24;
 
 /* 1 where a level may be within the signal's range, else 0. */
 TD_WIDE static void find_reached(const td_signals *signals, double h, double per, int32_t first, int32_t count,
                                  const double *widen, const double *reference, double *restrict reached) {
     const td_signals at = *signals;
-    const double slack = 0x1p-20; /* in thresholds: beyond the rounding of numbers as large as levels_below */
+    const double slack = 0x1p-20; /* [thresholds] more than the rounding of numbers as large as levels_below */
     for (int32_t k = 0; k < count; k++) {
         const int32_t i = first + k;
         const double a = at.S0[i], d = at.S1[i], b = a + h / 3 * at.S0_dot[i], c = d - h / 3 * at.S1_dot[i];
@@ -89,7 +89,7 @@ TD_WIDE static void find_reached(const td_signals *signals, double h, double per
         const double high = td_greater(td_greater(a, d), td_greater(b, c)) + widen[i] - reference[i];
         const double from = low * per + levels_below - slack, to = high * per + levels_below + slack;
         double same = td_whole(from) == td_whole(to) ? 1.0 : 0.0;
-        same = from > 0 ? same : 0.0; /* NaN isn't */
+        same = from > 0 ? same : 0.0; /* false for NaN */
         reached[k] = to < 2 * levels_below ? 1.0 - same : 1.0;
     }
 }

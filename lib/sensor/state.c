@@ -1,5 +1,5 @@
-/* State of a sensor's pixels between steps: their signals, the distance to their levels, and the rest of a state that was put
- * back (carried.c). For the solver's statistics and checkpoints. */
+/* State of a sensor's pixels between steps: their signals, the distance to their levels, and the completion of a state that was
+ * put back. */
 #include "sensor/noise/td_noise_bridge.h"
 #include "td_sensor.h"
 
@@ -40,7 +40,7 @@ td_levels td_sensor_levels(const td_sensor *sensor, const td_step *step, size_t 
                        td_sensor_time(sensor, step->start_ns, step->start_fraction)};
 }
 
-/* Whether the pixel answers to its levels. */
+/* 1 where the pixel isn't held or masked. */
 static int is_free(const td_sensor *sensor, size_t i, const double *coverage, double time) {
     if (!sensor->on) return 1;
     if (sensor->masks && !(coverage[i] >= sensor->sensor.b_min)) return 0;
@@ -66,7 +66,7 @@ void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
     sensor->wake[pixel] = wake;
 }
 
-/* A pixel that has never fired keeps the very bits of its initial value, a NaN's too. */
+/* A pixel that has never fired keeps the bits of its initial value, also of a NaN. */
 void td_sensor_resume(td_sensor *sensor) {
     const td_pixels *p = &sensor->pixels;
     for (size_t i = 0; i < sensor->count; i++) {

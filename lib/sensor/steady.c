@@ -1,4 +1,5 @@
-/* State of pixels with additive noise when a run begins at rest: slow events by their rates, then the noise's own path. */
+/* State of pixels with additive noise when a run begins at rest: first slow events by their rates, then the path of the
+ * noise. */
 #include "td_steady.h"
 #include "td_math.h"
 #include "sensor/noise/td_noise_bridge.h"
@@ -10,13 +11,13 @@ static const double two_pi = 6.28318530717958647692;
 static const double memory_ns = 1e10;
 enum { EVENTS_MAX = 512, PIECES_MAX = 1024, PATH = 48 };
 
-/* The leak may take the mean so far, in sigma, before rates are asked again. */
+/* Greatest way of the mean by the leak, in sigma, before hazards are computed again. */
 static const double drift_most = 0.25;
 
 /* -- rates of passage ------------------------------------------------------------------------------------------------------ */
 
-/* sqrt(2 pi) e^(z^2 / 2) Phi(z), the time of passage per sigma of a level z sigma away: with half of it at 0, and for the rest
- * the series z + z^3 / 3 + z^5 / 15 + ..., of which each term is z^2 / (2 n + 1) times the last. */
+/* sqrt(2 pi) e^(z^2 / 2) Phi(z): the mean time of passage per sigma, at a level z sigma away. It is half of sqrt(2 pi)
+ * e^(z^2 / 2), plus the series z + z^3 / 3 + z^5 / 15 + ..., in which each term is z^2 / (2 n + 1) times the last. */
 static double time_per_sigma(double z) {
     double term = z, sum = z;
     for (int n = 1; term > 1e-17 * sum; n++) sum += term *= z * z / (2 * n + 1);
@@ -37,7 +38,8 @@ void td_steady_begin(td_sensor *sensor) {
     }
 }
 
-/* Per tau; levels within half a sigma are as those there, since what is between is the path's to say. */
+/* The hazard of a level u sigma away, per tau. Nearer than half a sigma it is that of half a sigma: such crossings belong to
+ * the noise's path. */
 static double hazard_at(const td_sensor *sensor, double u) {
     const double nearest = 0.5, place = fmax(u, nearest) * TD_PASSAGES_PER_SIGMA;
     if (!(place < TD_PASSAGES - 1)) return 0;
@@ -51,7 +53,7 @@ typedef struct pixel {
     const td_sensor *sensor;
     double on, off, leak, held; /* [ns] */
     double sigma, tau;
-    double o, age; /* of the mean above the reference; since the last event [ns] */
+    double o, age; /* mean above the reference [log units]; time since the last event [ns] */
     uint32_t number;
     uint64_t drawn;
 } pixel;
@@ -60,12 +62,12 @@ static td_random_bits draw(pixel *p) { return td_random(p->sensor->sensor.seed, 
 
 static int holds(const pixel *p) { return p->held > 0 && p->sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD; }
 
-/* The reference is where the noise, at `n` when the pixel fired, has come by the end of its refractory period. */
+/* The reference after a hold: the noise, which was `n` when the pixel fired, as it is at the end of the refractory period. */
 static void hold(pixel *p, double n, double normal) {
     p->o = -td_noise_moved(td_noise_move_of(p->sigma, p->held / p->tau), n, normal);
 }
 
-/* An event of this kind: 1 ON, -1 OFF; 0: one of shot noise or a hot pixel, which re-references. */
+/* An event: kind 1 ON, -1 OFF, 0 shot noise or a hot pixel, which re-references. */
 static void take(pixel *p, int kind) {
     double normal[2];
     const td_random_bits bits = draw(p);
@@ -102,7 +104,7 @@ static void pass_slowly(pixel *p, double rate) {
 
 /* -- the noise's path ------------------------------------------------------------------------------------------------------ */
 
-/* Events between a and b, `dt` apart: the bridge's extreme beyond a level, once in a part; a held pixel waits. */
+/* Events between values a and b, `dt` apart: one at most, where the bridge's extreme is beyond a level. A held pixel waits. */
 static void cross(pixel *p, double a, double b, double dt, double variance, double *until) {
     const td_random_bits bits = draw(p);
     const double change = b - a;
@@ -119,7 +121,7 @@ static void cross(pixel *p, double a, double b, double dt, double variance, doub
     if (!up && !down) return;
     p->o -= up ? p->on : -p->off;
     p->age = 0;
-    if (p->held < dt && holds(p)) p->o = -b; /* a bridge's end stands for what it comes to */
+    if (p->held < dt && holds(p)) p->o = -b; /* the value at the part's end stands for that at the hold's */
     *until = p->held < dt ? 0 : p->held;
 }
 
@@ -139,7 +141,7 @@ static double follow_path(pixel *p, double now, double first, double spacing) {
     const td_noise_move move = td_noise_move_of(p->sigma, l);
     const double less = -td_expm1(-l), variance = 4 * p->sigma * p->sigma * less / (2 - less); /* tanh(l / 2) */
     x[0] = first;
-    for (int k = 0; k < PATH; k++) { /* stationary: backwards it is the same process */
+    for (int k = 0; k < PATH; k++) { /* a stationary process is the same backwards in time */
         const td_random_bits bits = draw(p);
         td_random_normals(&bits, normal);
         x[k + 1] = td_noise_moved(move, x[k], normal[0]);

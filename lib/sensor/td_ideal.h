@@ -1,9 +1,8 @@
 /* Internal: one ideal pixel over one step: crossings of its local model (paper, "Comparator and sensor model"; DESIGN 3.2),
- * then what the step's end asks for. For comparator.c alone, which passes over the pixels that need nothing; pixel.c is its
- * like with blocks.
+ * then those that the signal at the step's end asks for.
  *
- * Inline: the model goes from fit to walk in registers. As a function of its own file it made tiles in which half of the pixels
- * cross once 2 to 4 % slower (bench_comparator). */
+ * Inline, so that the model stays in registers. As functions in a file of their own, they made tiles in which half of the
+ * pixels cross once 2 to 4 % slower (bench_comparator). */
 #ifndef TD_IDEAL_H
 #define TD_IDEAL_H
 
@@ -12,7 +11,7 @@
 
 #include <math.h>
 
-/* The pixel while its step is being worked through. */
+/* A pixel on its way through the step. */
 typedef struct td_ideal {
     uint16_t x, y;
     double on, off, initial, reference;
@@ -32,7 +31,7 @@ static inline tides_status td_ideal_fire(td_pixel_job *job, td_ideal *at, int64_
     return TIDES_OK;
 }
 
-/* The model's events, where it is over [from, from + length] of the step; `*cut` becomes 1 where there were more than
+/* Fires the model's events. The model holds on [from, from + length] of the step. `*cut` becomes 1 where there were more than
  * max_events_per_step. */
 static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, const td_model *model, double from, double length,
                                            int *cut) {
@@ -49,7 +48,7 @@ static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, cons
             return TIDES_OK;
         }
         double s = from + length * walk.s;
-        if (s == 0.0) job->counts.caught_up++; /* S0 was beyond the level: after NaN, or not the S1 of the step before */
+        if (s == 0.0) job->counts.caught_up++; /* S0 was beyond the level: after NaN, or S0 differs from the last step's S1 */
         tides_status status = td_ideal_fire(job, at, td_step_time(job->step, s), polarity);
         if (status != TIDES_OK) return status;
         td_pixel_note(job, s, at->reference, polarity, 1);
@@ -64,7 +63,7 @@ static inline tides_status td_ideal_follow_pieces(td_pixel_job *job, td_ideal *a
     return status;
 }
 
-/* Fires at the step's end the events that S1 asks for and the model didn't give. */
+/* Fires at the step's end the events for which S1 asks and which the model didn't give. */
 static inline tides_status td_ideal_catch_up(td_pixel_job *job, td_ideal *at, double S1, uint64_t *late) {
     tides_status status = TIDES_OK;
     while (status == TIDES_OK && S1 - at->reference >= at->on) {
@@ -80,8 +79,8 @@ static inline tides_status td_ideal_catch_up(td_pixel_job *job, td_ideal *at, do
     return status;
 }
 
-/* Pixel i at (x, y), by its model, or its pieces where there are any, and its signal at the step's end. On failure counts of
- * the pixel are those of the events in the buffer. */
+/* Advances pixel i at (x, y): by its model, or by its pieces where there are any, then by its signal at the step's end. On
+ * failure the pixel's counts are those of the events in the buffer. */
 static inline TIDES_MUST_CHECK tides_status td_ideal_advance(td_pixel_job *job, size_t i, uint16_t x, uint16_t y,
                                                              const td_model *model, const td_pieces *pieces, double S1) {
     const td_pixels *pixels = &job->sensor->pixels;

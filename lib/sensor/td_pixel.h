@@ -1,5 +1,5 @@
-/* Internal: one pixel with blocks over one step, its events in time order (pixel.c; ideal ones: td_ideal.h).
- * comparator.c says which pixels of a tile need it. */
+/* Internal: one pixel with blocks over one step, its events in time order. comparator.c decides which pixels of a tile need
+ * it. */
 #ifndef TD_PIXEL_H
 #define TD_PIXEL_H
 
@@ -7,20 +7,20 @@
 #include "sensor/response/td_response.h"
 #include "td_sensor.h"
 
-/* A call's facts that its pixels share. */
+/* The arguments of a call that all its pixels share. */
 typedef struct td_pixel_job {
     td_sensor *sensor;
     const td_step *step;
     double start;            /* of the step [ns since the run's start] */
-    const td_signals *light; /* td_seen.light */
+    const td_signals *light; /* log-luminance, where the signals aren't; NULL: they are */
     td_event_buffer *buffer;
     td_sensor_counts counts; /* of this call */
-    td_changes *changes;     /* what is done where; NULL: nobody asks */
+    td_changes *changes;     /* where the pixel's reference changes; NULL: not asked for */
     tides_error *error;
 } td_pixel_job;
 
-/* The pixel's reference is another one from s on: after an event or a consumed crossing of this polarity; 0: it was taken from
- * the signal. */
+/* Notes that the pixel's reference changes at s, by a crossing of this polarity, which fires or is consumed; 0: it was taken
+ * from the signal. */
 static inline void td_pixel_note(const td_pixel_job *job, double s, double reference, int polarity, int fired) {
     td_changes *changes = job->changes;
     if (!changes) return;
@@ -32,18 +32,18 @@ static inline void td_pixel_note(const td_pixel_job *job, double s, double refer
 
 /* A pixel's step. */
 typedef struct td_pixel_step {
-    size_t local, i; /* in the tile, in the sensor */
+    size_t local, i; /* number in the tile; in the sensor */
     uint16_t x, y;
     td_model input;                  /* log-luminance */
     td_response response;            /* S_eff */
-    double end;                      /* S_eff at the step's end, whatever the response says */
-    double visible_from, visible_to; /* s between which it isn't masked; 2 and 2: nowhere */
+    double end;                      /* S_eff at the step's end, which the response may miss by rounding */
+    double visible_from, visible_to; /* s between which it is visible; 2 and 2: nowhere */
 } td_pixel_step;
 
 /* Advances a pixel over a step. On failure the pixel is left within the step. */
 TIDES_MUST_CHECK tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel);
 
-/* An event of a pixel that has fired *fired in this step; its cause is counted by the caller. */
+/* Writes an event of a pixel that has fired *fired events in this step; the caller counts its cause. */
 static inline tides_status td_pixel_emit(td_pixel_job *job, const tides_event *event, int32_t *fired) {
     if (*fired == TD_EVENTS_PER_PIXEL_MAX)
         return td_fail(job->error, TIDES_OUT_OF_RANGE,

@@ -9,16 +9,17 @@
 #include <float.h>
 #include <math.h>
 
-/* a / (a + b) where a and b have the same sign (then it lies in (0, 1) and nothing cancels); 0 where they don't. */
+/* a / (a + b) if a and b have the same sign: it is then in (0, 1), and nothing cancels. Otherwise 0. */
 static double share(double a, double b) {
     int same_sign = (a > 0.0 && b > 0.0) || (a < 0.0 && b < 0.0);
     return same_sign ? a / (a + b) : 0.0;
 }
 
 /* The slope is d0 u^2 + 2 d1 u s + d2 s^2 with u = 1 - s: a quadratic in the ratio r = s / u, where r > 0 is all of 0 < s < 1.
- * With q = -(d1 + sign(d1) sqrt(d1^2 - d0 d2)) its roots are q / d2 and d0 / q. Back in s both are shares of quantities of one
- * sign, so nothing cancels, and a vanishing d2 or d0 merely moves its root to an end. Only the discriminant can cancel, where
- * the two extrema nearly meet; the piece between them is then lower than rounding, and it doesn't matter whether it is seen. */
+ * With q = -(d1 + sign(d1) sqrt(d1^2 - d0 d2)) its roots are q / d2 and d0 / q. As values of s both are shares of quantities of
+ * one sign, so that nothing cancels, and a d2 or d0 of 0 only moves its root to an end. The discriminant can cancel where the
+ * two extrema nearly meet. The piece between them is then lower than rounding, so that it doesn't matter whether it is
+ * found. */
 int td_model_extrema(const td_model *model, double s[2]) {
     const double *b = model->control;
     double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
@@ -63,22 +64,21 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
     walk->value[walk->knots++] = b[3];
 }
 
-/* Where Newton begins: where the chord reaches the level, or an end that is much nearer to it, as the end of a piece is that
- * was looked up at the crossing itself. */
+/* Where Newton begins: where the chord reaches the level, or an end whose value is much nearer to it. If the crossing itself
+ * was looked up, it is such an end. */
 static double near_guess(const td_level *at, double low, double high, double value_high) {
     const double value_low = td_model_value(at->model, low), span = high - low, rise = value_high - value_low;
     const double after_low = at->reference - value_low + at->rise, before_high = at->reference - value_high + at->rise;
-    const double much = 0x1p-6; /* then Newton's first step squares what is left; else a third one is needed */
+    const double much = 0x1p-6; /* then Newton's first step squares the error; else a third one is needed */
     if (fabs(before_high) < much * fabs(rise) && fabs(before_high) < much * span * fabs(td_level_slope(at, high))) return high;
     if (fabs(after_low) < much * fabs(rise) && fabs(after_low) < much * span * fabs(td_level_slope(at, low))) return low;
     return low + span * (after_low / rise);
 }
 
-/* Finds a place that has the time which td_level_solve would give: 1 where it did. That function spends two thirds of its time
- * on telling neighbouring numbers apart, in the rounding of the excess. Here Newton goes on until its next step is short; then
- * two places beside it of one nanosecond, on both sides of the level by more than rounding, have all places between them where
- * it could end, for the piece is monotone. An end of the piece is such a place as it stands: td_level_solve ends between both.
- * A place that was crossed before, and is only near now, doesn't count. */
+/* Finds a place that has the same time [ns] as the place that td_level_solve would find; 1 if it did. td_level_solve spends two
+ * thirds of its time on distinguishing neighbouring numbers. Here Newton goes on until its next step is short. Then two places
+ * on either side, in one nanosecond and beyond rounding from the level, prove the result, since the piece is monotone. An end
+ * of the piece needs no such margin. A place of an earlier crossing that is only near doesn't count. */
 static int solve_near(const td_level *at, const td_crossing_walk *walk, double high, double value_high, double *s) {
     enum { TRIES = 6 };
     const td_step *step = walk->step;
@@ -99,7 +99,7 @@ static int solve_near(const td_level *at, const td_crossing_walk *walk, double h
            (!inner_after || sign * td_level_excess(at, after) > least);
 }
 
-/* From a place that is only near to where that is: crossing after crossing since the last that is known. */
+/* Finds the exact place where the walk is only near one: repeats the crossings since the last exact place. */
 static void settle(td_crossing_walk *walk, double knot, double value) {
     for (int i = 0; i < walk->near; i++) {
         const td_level at = {&walk->model, walk->crossed[i].reference, walk->crossed[i].rise};
@@ -109,7 +109,7 @@ static void settle(td_crossing_walk *walk, double knot, double value) {
     walk->near = 0;
 }
 
-/* On to the crossing that lies before `knot`: near where that will do. */
+/* Goes to the crossing before `knot`, or near it where that is enough. */
 static void go(td_crossing_walk *walk, double reference, double rise, double knot, double value) {
     const td_level at = {&walk->model, reference, rise};
     if (walk->near == TD_CROSSED_MAX) settle(walk, knot, value);
@@ -136,7 +136,7 @@ int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_
     return 0;
 }
 
-/* The walk over [from, to] only: its knots between them, and both. */
+/* Limits the walk to [from, to]: the knots between them, and both. */
 static void cut(td_crossing_walk *walk, double from, double to) {
     td_crossing_walk all = *walk;
     walk->knots = 0;

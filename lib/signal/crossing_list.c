@@ -9,8 +9,8 @@ static inline td_model model_of(const td_crossing_list *list, int k) {
     return (td_model){{list->control[0][k], list->control[1][k], list->control[2][k], list->control[3][k]}};
 }
 
-/* Excess of a model over a level, upwards or downwards, as a polynomial of the place. To come near a crossing it needn't be
- * rounded as td_level_excess is. */
+/* Excess of a model over a level, upwards or downwards, as a polynomial of the place. It is rounded otherwise than
+ * td_level_excess, which suffices to come near a crossing. */
 typedef struct beyond {
     double c0, c1, c2, c3;
 } beyond;
@@ -24,7 +24,7 @@ static inline beyond beyond_of(const td_level *at, double sign) {
 
 static inline double excess_at(const beyond *p, double s) { return ((p->c3 * s + p->c2) * s + p->c1) * s + p->c0; }
 
-/* A step of Halley's from `s`, at which the model is `*excess` beyond. */
+/* A step of Halley's method from `s`, where the model is `*excess` beyond the level. */
 static inline double next_place(const beyond *p, double s, double *excess) {
     const double bent = 3 * p->c3 * s + p->c2; /* half of the second derivative */
     const double slope = (bent + p->c2) * s + p->c1;
@@ -32,7 +32,7 @@ static inline double next_place(const beyond *p, double s, double *excess) {
     return s - *excess * slope / (slope * slope - *excess * bent);
 }
 
-/* A step of Halley's that stays between *low and *high, which it narrows; where it would leave them it goes to their middle. */
+/* A step of Halley's method within [*low, *high], which it narrows. A step that would leave them goes to their middle. */
 static inline void go_on(const beyond *p, double *place, double *low, double *high) {
     double excess;
     const double s = *place, next = next_place(p, s, &excess);
@@ -43,9 +43,9 @@ static inline void go_on(const beyond *p, double *place, double *low, double *hi
     *place = next >= *low ? best : 0.5 * (*low + *high);
 }
 
-/* solve_near of crossing.c, but that what lies between two crossings of a piece is no bound: levels of one direction are in
- * order, and the nearer end only begins the search. Three steps, written out, or gcc 12 wouldn't vectorise; the last isn't held
- * in its bracket, since nothing outside is proven. A fourth took longer than what it found, on sharply bent pieces too. */
+/* Finds places near all crossings. Crossings of a piece don't bound each other, since levels of one direction are in order; the
+ * nearer end of the piece only starts the search. Three steps are written out, or gcc 12 wouldn't vectorise. The last isn't
+ * kept in its bracket, since no place outside is proven. A fourth took more time than it saved, on sharply bent pieces too. */
 TD_WIDE static void solve_all(td_crossing_list *restrict list, const td_step *step) {
     const double side = TD_NEAR_ENOUGH_NS / step->length_ns, length = step->length_ns, begin = step->start_fraction;
     const int64_t start = step->start_ns, stop = step->stop_ns;
@@ -60,7 +60,7 @@ TD_WIDE static void solve_all(td_crossing_list *restrict list, const td_step *st
         go_on(&p, &place, &left, &right);
         place = next_place(&p, place, &excess);
         const double before = place - side, after = place + side;
-        const double least = 2 * td_level_rounding(&at); /* half of it, at most, is the polynomial's */
+        const double least = 2 * td_level_rounding(&at); /* at most half of it is the polynomial's */
         double flag = before - side > low ? 1.0 : 0.0;
         flag = after + side < high ? flag : 0.0;
         const double time = td_whole(begin + place * length);
@@ -74,7 +74,7 @@ TD_WIDE static void solve_all(td_crossing_list *restrict list, const td_step *st
     }
 }
 
-/* Each search begins where the last one ended, whether anyone asked for that place or not. */
+/* Searches for a crossing that wasn't proven. The search begins where the one before ended. */
 static int64_t search(td_crossing_list *list, const td_step *step, int k) {
     const int first = list->first[k], from = list->searched >= first ? list->searched + 1 : first;
     double s = from > first ? list->at : list->low[k];
@@ -88,10 +88,10 @@ static int64_t search(td_crossing_list *list, const td_step *step, int k) {
     return td_step_time(step, s);
 }
 
-/* Longer steps [ns] have times that td_whole can't floor. */
+/* Longer steps [ns] have times that td_whole can't round down. */
 #define LONGEST_NS 0x1p50
 
-/* Places after the last crossing become ones like it. */
+/* Fills the last vector by repeating the last crossing. */
 static void fill_up(td_crossing_list *list) {
     const int last = list->count - 1;
     const double reference[TD_CROSSING_LIST_EACH] = {list->reference[last]}, guess[TD_CROSSING_LIST_EACH] = {list->guess[last]};

@@ -1,8 +1,8 @@
 /* Radix sort of events by (t, y, x, polarity).
  *
- * Times are whole nanoseconds, so that few events share theirs. A packet is dealt into stretches of time that the nearest cache
- * holds, and each stretch, while it is there, into slices of time of about one event; only neighbours are left to be sorted.
- * Passes over all bits of time and place take twice as long. */
+ * Times are whole nanoseconds, so that few events share theirs. A packet is distributed into intervals of time that fit the
+ * nearest cache, and each interval into slices of about one event. Only neighbours are left to be sorted. Passes over all bits
+ * of time and place take twice as long. */
 #include "td_event_sort.h"
 
 #include "td_sort.h"
@@ -10,10 +10,10 @@
 
 #include <string.h>
 
-/* Below this, insertion beats clearing the counters. */
+/* With fewer events insertion is faster than clearing the counters. */
 enum { FEW = 48 };
 
-/* Least values, from which keys count, and numbers of bits. */
+/* The least values, which keys are relative to, and numbers of bits of keys. */
 typedef struct range {
     int64_t t;
     uint32_t x, y;
@@ -77,7 +77,7 @@ static void sort_by_place(tides_event *events, tides_event *scratch, size_t coun
 
 static void insert_each(tides_event *events, size_t count) {
     for (size_t i = 1; i < count; i++) {
-        if (events[i - 1].t < events[i].t) continue; /* most are in their places */
+        if (events[i - 1].t < events[i].t) continue; /* most are in order */
         const tides_event event = events[i];
         size_t place = i;
         for (; place > 0 && td_event_compare(&events[place - 1], &event) > 0; place--) events[place] = events[place - 1];
@@ -93,20 +93,20 @@ static int is_sorted(const tides_event *events, size_t count) {
 
 /* -- by time --------------------------------------------------------------------------------------------------------------- */
 
-/* Bits of a time since `t`: those from `shift` on are a digit; fewer than 64. */
+/* A digit: bits of a time since `t`, from `shift` on; fewer than 64. */
 typedef struct digit {
     int64_t t;
     int shift, bits;
 } digit;
 
-/* Unsigned, so that the whole range of int64 is fine. */
+/* Unsigned, for the whole range of int64. */
 static inline size_t digit_of(const digit *of, const tides_event *event) {
     const uint64_t since = (uint64_t)event->t - (uint64_t)of->t;
     return (size_t)(since >> of->shift & (((uint64_t)1 << of->bits) - 1));
 }
 
-/* Deals the events out by their digits, in the order that they come in; `end` of each digit. Returns how many have the digit
- * that most have. */
+/* Distributes the events by their digits, in their order; `end` is each digit's end. Returns the greatest number of events of a
+ * digit. */
 static size_t deal(const digit *of, const tides_event *in, tides_event *out, size_t count, size_t *end) {
     const digit by = *of;
     const size_t digits = (size_t)1 << by.bits;
@@ -125,7 +125,7 @@ static size_t deal(const digit *of, const tides_event *in, tides_event *out, siz
 
 static int lesser_of(int a, int b) { return a < b ? a : b; }
 
-/* A stretch of time, from `in`, whose contents are lost, to `events`: its times differ in `bits` last bits. */
+/* Sorts an interval of time from `in`, whose contents are lost, to `events`. Times differ in their last `bits` bits. */
 static void sort_stretch(tides_event *in, tides_event *events, size_t count, int64_t t, int bits) {
     size_t end[TD_RADIX_DIGITS], begin = 0;
     const int most_bits = lesser_of(bits_of(count), TD_RADIX_BITS), used = lesser_of(bits, most_bits);
@@ -142,7 +142,7 @@ static void sort_stretch(tides_event *in, tides_event *events, size_t count, int
     for (size_t k = 0; k < (size_t)1 << used; begin = end[k++]) td_event_sort(events + begin, in + begin, end[k] - begin);
 }
 
-/* Events of a stretch at most, if times are spread evenly: twice 8 KB. */
+/* Events of an interval, if times are spread evenly: twice 8 KB. */
 enum { STRETCH = 512 };
 
 static void sort_by_time(tides_event *events, tides_event *scratch, size_t count, const range *times) {

@@ -16,7 +16,7 @@ void td_pieces_make(td_pieces *pieces, const td_ends *ends, const td_node *nodes
     pieces->from[count + 1] = 1;
 }
 
-/* Where pieces meet the ramp is worked out once for both. */
+/* The ramp at the end of a piece is that at the start of the next, to the bit. */
 void td_pieces_add_ramp(td_pieces *pieces, double begin, double rise) {
     for (int k = 0; k < pieces->count; k++) {
         const double from = pieces->from[k], to = pieces->from[k + 1], third = (to - from) / 3;

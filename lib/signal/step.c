@@ -8,7 +8,7 @@
 /* Seconds to whole nanoseconds and a fraction in [0, 1). */
 static int64_t split_time(double seconds, double *fraction) {
     double ns = seconds * 1e9, nearest = round(ns), below = floor(ns);
-    /* seconds is known to half a unit in its last place, the product to as much again. */
+    /* `seconds` is known to half a unit in its last place, and the product to as much again. */
     int is_whole = fabs(ns - nearest) <= 2.0 * DBL_EPSILON * fabs(ns);
     *fraction = is_whole ? 0.0 : ns - below;
     return (int64_t)(is_whole ? nearest : below);

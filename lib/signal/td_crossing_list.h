@@ -1,5 +1,5 @@
-/* Internal: crossings of many local models, which are known to lie on monotone pieces, and whose times are found together: one
- * after the other (td_crossing.h) they take five times as long. */
+/* Internal: crossings of many local models, known to lie on monotone pieces, whose times are found together. One after the
+ * other they take five times as long. */
 #ifndef TD_CROSSING_LIST_H
 #define TD_CROSSING_LIST_H
 
@@ -8,22 +8,22 @@
 
 #include <string.h>
 
-/* Some tens of events are what 64 pixels have in a step that is much too coarse; the list stays in L1. EACH levels are listed
- * at a time, of which the last ones may be none: no branch asks how many there are. */
+/* Room for the events of 64 pixels in a step that is much too coarse; the list stays in L1. EACH levels are listed at a time,
+ * and the last ones may be unused, so that no branch depends on their number. */
 enum { TD_CROSSING_LIST_ROOM = 192, TD_CROSSING_LIST_EACH = 4 };
 enum { TD_CROSSING_LIST_ALL = TD_CROSSING_LIST_ROOM + 2 * TD_CROSSING_LIST_EACH }; /* whole vectors of them */
 
 typedef struct td_crossing_list {
     int count;
-    int searched; /* the last crossing whose place was searched for, which is at */
+    int searched; /* the last crossing that was searched, and its place */
     double at;
-    int first[TD_CROSSING_LIST_ALL];                                    /* crossing on its piece */
+    int first[TD_CROSSING_LIST_ALL];                                    /* number of the first crossing on its piece */
     double control[4][TD_CROSSING_LIST_ALL];                            /* of the models */
-    double reference[TD_CROSSING_LIST_ALL], rise[TD_CROSSING_LIST_ALL]; /* the levels: td_level */
+    double reference[TD_CROSSING_LIST_ALL], rise[TD_CROSSING_LIST_ALL]; /* the levels: reference + rise */
     double low[TD_CROSSING_LIST_ALL], high[TD_CROSSING_LIST_ALL];       /* ends of the monotone piece */
-    double guess[TD_CROSSING_LIST_ALL];                                 /* about where it is */
-    int64_t time[TD_CROSSING_LIST_ALL];                                 /* of the crossing [ns], where */
-    double doubtful[TD_CROSSING_LIST_ALL];                              /* that is 0; 1: it is to be searched for */
+    double guess[TD_CROSSING_LIST_ALL];                                 /* approximate place */
+    int64_t time[TD_CROSSING_LIST_ALL];                                 /* of the crossing [ns], if proven */
+    double doubtful[TD_CROSSING_LIST_ALL];                              /* 1: not proven, and must be searched; 0: proven */
 } td_crossing_list;
 
 static inline void td_crossing_list_clear(td_crossing_list *list) {
@@ -32,7 +32,7 @@ static inline void td_crossing_list_clear(td_crossing_list *list) {
 }
 
 static inline void td_crossing_list_fill(double *to, double value) {
-    const double each[TD_CROSSING_LIST_EACH] = {value, value, value, value}; /* as a whole: gcc 12 stores a loop's one by one */
+    const double each[TD_CROSSING_LIST_EACH] = {value, value, value, value}; /* one store: gcc 12 makes four of a loop */
     memcpy(to, each, sizeof each);
 }
 
@@ -42,8 +42,8 @@ typedef struct td_crossing_piece {
     int first;
 } td_crossing_piece;
 
-/* Lists crossings k to k + EACH - 1, k <= TD_CROSSING_LIST_ROOM, of levels that are `rise` from these references and that the
- * piece reaches by its end, about where is guessed. How many of them there are, list->count says. */
+/* Lists crossings k to k + EACH - 1, k <= TD_CROSSING_LIST_ROOM, with levels `rise` from the references that the piece reaches
+ * by its end, and guesses of their places. list->count tells how many of them count. */
 static inline void td_crossing_list_put(td_crossing_list *list, int k, const td_crossing_piece *on, const double *reference,
                                         const double *guess, double rise) {
     const int first[TD_CROSSING_LIST_EACH] = {on->first, on->first, on->first, on->first};
@@ -56,7 +56,7 @@ static inline void td_crossing_list_put(td_crossing_list *list, int k, const td_
     memcpy(&list->guess[k], guess, TD_CROSSING_LIST_EACH * sizeof *guess);
 }
 
-/* Finds the times of all: those that td_step_time gives of the places that td_crossing_next would stop at. */
+/* Finds the times of all: td_step_time of the places at which td_crossing_next would stop. */
 void td_crossing_list_solve(td_crossing_list *list, const td_step *step);
 
 #endif

@@ -1,4 +1,4 @@
-/* Internal: a sort that makes the order of event streams. */
+/* Internal: sorts events into the order of event streams. */
 #ifndef TD_EVENT_SORT_H
 #define TD_EVENT_SORT_H
 

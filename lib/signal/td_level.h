@@ -1,5 +1,4 @@
-/* Internal: a level that a local model is to reach on a monotone piece, and the place where it does, for crossings one after
- * the other (crossing.c) and many at once (crossing_list.c). */
+/* Internal: a level that a local model reaches on a monotone piece, and the place where it does. */
 #ifndef TD_LEVEL_H
 #define TD_LEVEL_H
 
@@ -9,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-/* The level is reference + rise: ON with a rise above 0, OFF below. */
+/* The level is reference + rise: ON with a positive rise, OFF with a negative one. */
 typedef struct td_level {
     const td_model *model;
     double reference, rise;
@@ -28,21 +27,22 @@ static inline double td_level_chord(const td_level *at, double low, double high,
     return low + (high - low) * ((at->reference - value_low + at->rise) / (value_high - value_low));
 }
 
-/* The place in (low, high] where S - reference reaches the rise, given that it has at `high` and hasn't at `low`. The chord
- * says where to begin. */
+/* The place in (low, high] where S - reference reaches the rise: it has at `high`, and hasn't at `low`. Newton begins where the
+ * chord reaches the level. */
 static inline double td_level_solve(const td_level *at, double low, double high, double value_high) {
     double guess = td_level_chord(at, low, high, value_high);
     return td_root(td_level_excess, td_level_slope, at, at->rise > 0.0 ? 1.0 : -1.0, low, high, guess);
 }
 
-/* Largest rounding of an excess, several times over. The excess exceeds it by so much within a few Newton steps of a place of
- * the same sign that a search which ends there ends on the place. */
+/* A bound on the rounding of an excess. If the excess is this far from 0 on the same side, a search that ends there is on the
+ * right side of the level. */
 static inline double td_level_rounding(const td_level *at) {
     const double *b = at->model->control;
     return 64 * DBL_EPSILON * (fabs(b[0]) + fabs(b[1]) + fabs(b[2]) + fabs(b[3]) + fabs(at->reference) + fabs(at->rise));
 }
 
-/* Distance within which a place is to be known [ns], so that few are near the end of their nanosecond. */
+/* Greatest distance [ns] of a place that is only near its crossing: few crossings are so close to the end of their
+ * nanosecond. */
 #define TD_NEAR_ENOUGH_NS 0x1p-11
 
 #endif

@@ -1,12 +1,10 @@
-/* Internal: the local model of one pixel's signal on one step, as the comparator, the filters and the estimates read it. Time
- * within a step is s = (t - t0) / h in [0, 1].
+/* Internal: the local model of one pixel's signal on one step, for the comparator, the filters and the estimates. Time within a
+ * step is s = (t - t0) / h in [0, 1].
  *
- * Every model (TIDES_MODEL_*, DESIGN 3.2) is a cubic held as its four Bezier control values, because
+ * Every model (TIDES_MODEL_*, DESIGN 3.2) is a cubic with four Bezier control values, because
  *   - both ends are met to the bit: value(0) = control[0], value(1) = control[3];
  *   - the curve stays within the range of its control values: "nothing can cross" needs four comparisons and no root;
- *   - whether and where the slope changes sign can be read off differences without cancellation.
- *
- * Where it crosses levels, td_crossing.h says; how wrong it may be, the solver estimates. */
+ *   - whether and where the slope changes sign follows from differences without cancellation. */
 #ifndef TD_MODEL_H
 #define TD_MODEL_H
 
@@ -20,10 +18,10 @@ typedef struct td_model {
     double control[4]; /* [log units] */
 } td_model;
 
-/* The model `kind` (TIDES_MODEL_*) on a step of h seconds. The linear model reads no S1, only the cubic reads S1_dot, the
- * secant reads no rates. Inline, so that loops over whole tiles vectorise; kinds are checked by the caller. */
+/* The model `kind` (TIDES_MODEL_*) on a step of h seconds. The linear model doesn't use S1, only the cubic uses S1_dot, and the
+ * secant uses no rates. Inline, so that loops over whole tiles vectorise; the caller checks `kind`. */
 static inline td_model td_model_fit(int32_t kind, double h, double S0, double S0_dot, double S1, double S1_dot) {
-    /* Each model is the cubic with its own idea of the end value and of the rates (per step) at both ends. */
+    /* Each model is the cubic with its own end value, and rates (per step) at both ends. */
     double rate0 = h * S0_dot, end = S1, rate1 = h * S1_dot;
     if (kind == TIDES_MODEL_LINEAR) {
         end = S0 + rate0;
@@ -37,15 +35,15 @@ static inline td_model td_model_fit(int32_t kind, double h, double S0, double S0
     return model;
 }
 
-/* S and dS/ds at s in [0, 1]. Inline: the root finder lives on them. */
+/* S and dS/ds at s in [0, 1]. Inline, because the root finder spends its time here. */
 static inline double td_model_value(const td_model *model, double s) {
     const double *b = model->control;
     double u = 1.0 - s;
     return u * u * (u * b[0] + 3.0 * s * b[1]) + s * s * (3.0 * u * b[2] + s * b[3]);
 }
 
-/* A model's value, kept within the range of the control values, by which tiles are rejected: rounding mustn't lift extrema out
- * of it. */
+/* A model's value, kept within the range of the control values. Tiles are passed over by that range, so that rounding mustn't
+ * lift extrema out of it. */
 static inline double td_model_value_within(const td_model *model, double s) {
     const double *b = model->control;
     const double low = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3]));
@@ -59,7 +57,7 @@ static inline double td_model_slope(const td_model *model, double s) {
     return 3.0 * (u * u * (b[1] - b[0]) + 2.0 * u * s * (b[2] - b[1]) + s * s * (b[3] - b[2]));
 }
 
-/* d2S/ds2 there. */
+/* The second derivative by s. */
 static inline double td_model_curvature(const td_model *model, double s) {
     const double *b = model->control;
     double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
@@ -72,7 +70,7 @@ static inline int td_model_is_finite(const td_model *model) {
     return isfinite(b[0]) && isfinite(b[1]) && isfinite(b[2]) && isfinite(b[3]);
 }
 
-/* The polar form of the cubic: its value where all three places are one. */
+/* The polar form of the cubic, which is its value if all three places are equal. */
 TD_WITHIN double td_model_blossom(const double b[4], double x, double y, double z) {
     const double u = 1 - x, v = 1 - y, b0 = u * b[0] + x * b[1], b1 = u * b[1] + x * b[2], b2 = u * b[2] + x * b[3];
     return (1 - z) * (v * b0 + y * b1) + z * (v * b1 + y * b2);

@@ -1,6 +1,6 @@
-/* Internal: one pixel's signal on one step where its values are known inside the step too: cubics from each place to the next.
- * The solver looks up the signal where events are and gives what it found as nodes; the comparator and the solver's estimates
- * of errors read the pieces. Without nodes a single piece is the step's local model (td_model.h). */
+/* Internal: one pixel's signal on one step where its values are also known inside the step: cubics from each place to the next.
+ * The solver adds the values that it looks up as nodes. The comparator and the solver's error estimates use the pieces. Without
+ * nodes a single piece is the step's local model. */
 #ifndef TD_PIECES_H
 #define TD_PIECES_H
 
@@ -13,11 +13,11 @@ typedef struct td_node {
     double S_dot; /* [log units/s] */
 } td_node;
 
-/* Limits of a pixel in a step. A busy pixel has some ten events in a step; beyond TD_NODES_MAX / 2 events the times are the
+/* Limits for a pixel in a step. A busy pixel has some ten events in a step. Beyond TD_NODES_MAX / 2 events, times are the
  * model's. */
 enum { TD_NODES_MAX = 48, TD_PIECES_MAX = TD_NODES_MAX + 1 };
 
-/* Piece k is over [from[k], from[k + 1]], its model over [0, 1] within it. from[0] = 0, from[count] = 1; neighbours have the
+/* Piece k covers [from[k], from[k + 1]]; its model is over [0, 1] within it. from[0] = 0, from[count] = 1. Neighbours have the
  * same value where they meet, to the bit. */
 typedef struct td_pieces {
     int count;
@@ -36,13 +36,13 @@ void td_pieces_make(td_pieces *pieces, const td_ends *ends, const td_node *nodes
 /* Adds a ramp: `begin` at the step's start, and `rise` more at its end. */
 void td_pieces_add_ramp(td_pieces *pieces, double begin, double rise);
 
-/* The piece that holds s, the earlier one of two that meet there; and s within it. */
+/* The piece that contains s, the earlier one of two that meet there; and s within it. */
 int td_pieces_find(const td_pieces *pieces, double s);
 static inline double td_pieces_place(const td_pieces *pieces, int k, double s) {
     return (s - pieces->from[k]) / (pieces->from[k + 1] - pieces->from[k]);
 }
 
-/* td_pieces_find, searched from piece k on, which is near. */
+/* td_pieces_find, searching from piece k on. */
 static inline int td_pieces_find_from(const td_pieces *pieces, int k, double s) {
     while (k > 0 && !(pieces->from[k] < s)) k--;
     while (k + 1 < pieces->count && pieces->from[k + 1] < s) k++;
@@ -54,8 +54,8 @@ double td_pieces_value(const td_pieces *pieces, double s);
 /* Slope and curvature, per step. */
 double td_pieces_slope(const td_pieces *pieces, double s);
 
-/* As td_response_crossing (lib/sensor): the first s in [from, to] at which S - reference >= threshold_on (returns +1) or
- * <= -threshold_off (-1); 0 where there is none. */
+/* The first s in [from, to] at which S - reference >= threshold_on (returns +1) or <= -threshold_off (-1); 0 if there is
+ * none. */
 int td_pieces_crossing(const td_pieces *pieces, double reference, double threshold_on, double threshold_off, double from,
                        double to, double *s);
 

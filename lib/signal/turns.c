@@ -1,4 +1,4 @@
-/* The extrema of crossing.c, by the same arithmetic without its branches, in a loop that vectorises. */
+/* The extrema of many models, by the arithmetic of td_model_extrema without branches, in a loop that vectorises. */
 #include "td_turns.h"
 
 #include "td_extremes.h"
@@ -6,8 +6,7 @@
 
 #include <float.h>
 
-/* a / (a + b) where a and b have the same sign, else 0: crossing.c's share. One comparison at a time (lib/sensor/comparator.c
- * says why). */
+/* a / (a + b) if a and b have the same sign, else 0. One comparison at a time, because gcc 12 doesn't vectorise others. */
 static inline double share(double a, double b) {
     const double part = a / (a + b);
     double above = a > 0.0 ? part : 0.0, below = a < 0.0 ? part : 0.0;
@@ -16,7 +15,7 @@ static inline double share(double a, double b) {
     return above + below; /* one of them is 0 */
 }
 
-/* `at` where it lies within the step, else 1. */
+/* `at` if it lies within the step, else 1. */
 static inline double within(double at) {
     const double begun = at > 0.0 ? at : 1.0;
     return begun < 1.0 ? begun : 1.0;

@@ -20,31 +20,31 @@ typedef struct td_portion {
     td_timing timing;
     td_step_counts steps;
     td_solve_portion solve;
-    tides_status status; /* of its worker, */
-    tides_error error;   /* and why */
+    tides_status status; /* of its worker */
+    tides_error error;   /* the reason of a failure */
 } td_portion;
 
-/* Portions of the work that is under way, kept for the memory that they have reserved. */
+/* Portions of the work under way. They are kept, with their memory, for the next work. */
 typedef struct td_sharing {
     td_pool *pool; /* NULL: nothing is shared out */
     td_portion *portion;
-    int count; /* that there are */
+    int count; /* number of portions */
 } td_sharing;
 
-/* So many threads share the work; 0: as many as there are processors. */
+/* The work is shared by `threads` threads; 0: as many as processors. */
 TIDES_MUST_CHECK tides_status td_sharing_create(td_sharing *sharing, int threads, tides_error *error);
 void td_sharing_release(td_sharing *sharing);
 
-/* Works on units [first, end) of what is shared out. It may change the portion, and of the simulator what is those units' own:
- * pixels, samples, steps. */
+/* Works on units [first, end) of the shared work. A worker may change its portion, and the pixels, samples and steps of its
+ * units. */
 typedef tides_status (*td_portion_worker)(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                                           tides_error *error);
 
-/* Tiles to be compared that are worth a thread's while. */
+/* Tiles per portion at least, where tiles are compared. */
 enum { TD_FEWEST_TILES = 4 };
 
-/* Shares out `count` units, `fewest` at a time at least, and joins what came of them to the run's. Where some fail, the first
- * in order of units says why, and what came before it is joined. */
+/* Shares out `count` units, at least `fewest` to a portion, and joins the results to the run's. Where portions fail, the first
+ * in order of units gives the error, and the results before it are joined. */
 TIDES_MUST_CHECK tides_status td_share_out(tides_simulator *s, int count, int fewest, td_portion_worker worker,
                                            const void *user, tides_error *error);
 

@@ -1,11 +1,11 @@
-/* Internal: a run's readout: its arbiter, the tiles' activity, and what has left it. */
+/* Internal: a run's readout: its arbiter, the activity of tiles, and the events that have left it. */
 #ifndef TD_RUN_READOUT_H
 #define TD_RUN_READOUT_H
 
 #include "filters/td_filter.h"
 #include "readout/td_arbiter.h"
 
-/* Sums over an arbiter's tile: |L_dot| / C, |alpha_dot|, contributors. */
+/* Sums over an arbiter's tile: |L_dot| / C [1/s], |alpha_dot| [1/s], contributors. */
 typedef struct td_activity {
     double rate, alpha, contributors;
 } td_activity;
@@ -13,14 +13,14 @@ typedef struct td_activity {
 typedef struct td_run_readout {
     tides_readout params;
     tides_arbiter *arbiter; /* NULL: events go from the pixels to the sink */
-    double *psi;            /* (arbiter's tiles); NULL: it knows nothing of activity */
-    int32_t *pixels;        /* of each of them */
-    td_activity *sums;      /* of each of them, while psi is worked out */
+    double *psi;            /* (arbiter's tiles) activity; NULL: the arbiter doesn't use it */
+    int32_t *pixels;        /* (arbiter's tiles) number of pixels */
+    td_activity *sums;      /* (arbiter's tiles) used while psi is computed */
     int32_t across;
-    tides_event *events; /* left, for the packet */
-    int64_t *fired;      /* when */
+    tides_event *events; /* that have left the readout, for the packet */
+    int64_t *fired;      /* when the pixels fired them [ns] */
     size_t count, events_capacity, fired_capacity;
-    tides_error error; /* of taking them */
+    tides_error error; /* of keeping them */
 } td_run_readout;
 
 /* The filters behind the readout. */

@@ -1,8 +1,8 @@
-/* Internal: the simulator's centre-surround. Its modes belong to all pixels, so all tiles have the same steps then, and the
+/* Internal: the simulator's centre-surround. Its modes belong to all pixels, so that all tiles have the same steps, and the
  * comparator sees each step in the surround's pieces.
  *
- * The photoreceptor's low-pass comes after it here, before it in the eye: where the filter is the same for all pixels and
- * constant in time, both are linear and it makes no difference. Other photoreceptors are refused. */
+ * The photoreceptor's low-pass comes after the surround here, and before it in the eye. Where the filter is constant and equal
+ * for all pixels, both are linear, and the order makes no difference. Other photoreceptors are refused. */
 #ifndef TD_SURROUND_STEPS_H
 #define TD_SURROUND_STEPS_H
 
@@ -13,8 +13,8 @@ struct tides_simulator;
 typedef struct td_surround_steps {
     td_surround surround;
     double *from_dot, *p, *p_dot; /* (height x width) */
-    double *S;                    /* (pixels), tile by tile: what the comparator sees at the time reached */
-    double *modes;                /* (pixels) modes of the surround then, mode (j, k) in the place of pixel (k, j) */
+    double *S;                    /* (pixels), tile by tile: the comparator's input at the time reached */
+    double *modes;                /* (pixels) modes of the surround at that time, mode (j, k) in the place of pixel (k, j) */
 } td_surround_steps;
 
 /* Makes the steps of a sensor with a surround. */
@@ -22,12 +22,12 @@ TIDES_MUST_CHECK tides_status td_surround_steps_create(struct tides_simulator *s
                                                        tides_error *error);
 void td_surround_steps_release(td_surround_steps *steps);
 
-/* The run begins at s->now, or goes on from there with `modes`. */
+/* Begins the run at s->now, or continues it from there with `modes`. */
 void td_surround_steps_begin(struct tides_simulator *s);
 void td_surround_steps_resume(struct tides_simulator *s);
 
-/* The comparator over the step of all tiles from s->now, at `start`, to s->next, at `stop`; `which` (nullable) are the refined
- * steps (tiles) that these are. */
+/* Runs the comparator over the step of all tiles from s->now, at `start`, to s->next, at `stop`. `which` (tiles; nullable) are
+ * the refined steps of the tiles. */
 tides_status td_surround_compare(struct tides_simulator *s, double start, double stop, const int32_t *which,
                                  tides_error *error);
 

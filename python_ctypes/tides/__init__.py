@@ -177,7 +177,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Modules whose own dependencies are only wanted where they are asked for."""
+    """Imports modules that have dependencies of their own, when they are asked for."""
     if name in ("distributed", "mujoco", "play", "ros2", "rosbag", "usd"):
         return importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}{nearest(name, __all__)}")

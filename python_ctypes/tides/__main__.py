@@ -7,7 +7,7 @@ from pathlib import Path
 from ._tool import tool_beside
 
 
-#: The wheel has a font for its pictures, since small systems have none: the system's are looked at first.
+# #: The wheel has a font for pictures, since small systems have none. The system's fonts are preferred.
 FONTS = Path(__file__).resolve().parent / "fonts" / "fonts.conf"
 
 
@@ -17,6 +17,7 @@ def main() -> None:
         sys.exit("tides: the tool isn't beside the library that this package loads: run make")
     if FONTS.is_file() and not os.environ.get("FONTCONFIG_PATH"):
         os.environ.setdefault("FONTCONFIG_FILE", str(FONTS))
+    os.environ.setdefault("TIDES_PYTHON", sys.executable)  # `tides bench live` measures this package's ROS 2 feed
     os.execv(tool, ["tides", *sys.argv[1:]])
 
 

@@ -17,19 +17,19 @@ from ._library import lib
 
 _local = threading.local()
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM, signal.SIGUSR1)  # whose handlers people let raise
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM, signal.SIGUSR1)  # users' handlers of these may raise
 
 
 class _Signals:
-    """Python's handlers of signals, kept from raising in a callback of C.
+    """Keeps Python's handlers of signals from raising in a callback of C.
 
-    A handler runs where the interpreter next looks, which while C works is the first instruction of a callback: before any
-    `try` of ours. What it raises there would be printed and lost. So it is caught, and raised when C has returned.
+    A handler runs when the interpreter next checks, which while C works is at the first instruction of a callback, before
+    any `try` in it. An exception there would be printed and lost. So it is caught, and raised when C has returned.
     """
 
     def __enter__(self) -> None:
         self.replaced: list[tuple[int, Any]] = []
-        if threading.current_thread() is threading.main_thread():  # only there do handlers run
+        if threading.current_thread() is threading.main_thread():  # handlers run in this thread only
             for number in _SIGNALS:
                 handler = signal.getsignal(number)
                 if callable(handler) and not isinstance(getattr(handler, "__self__", None), _Signals):
@@ -48,7 +48,7 @@ class _Signals:
 
 
 def _refused(name: str, arguments: tuple[Any, ...], why: ctypes.ArgumentError) -> TypeError:
-    """ctypes says "argument 3: wrong type": which that is, and what it takes."""
+    """Replaces ctypes' "argument 3: wrong type" by the argument's name and what it takes."""
     from ._values import _expected
 
     number = re.match(r"argument (\d+)", str(why))
@@ -60,8 +60,8 @@ def _refused(name: str, arguments: tuple[Any, ...], why: ctypes.ArgumentError) -
 
 
 def call(name: str, *arguments: Any) -> None:
-    """Calls a function that returns a tides_status and takes a tides_error last. What a callback or a signal's handler raised
-    meanwhile comes first: Ctrl-C is such a thing."""
+    """Calls a function that returns a tides_status and takes a tides_error last. An exception of a callback or a signal's
+    handler (Ctrl-C) is raised first."""
     error = _api.tides_error()
     outer, _local.raised = getattr(_local, "raised", None), None
     try:
@@ -79,13 +79,13 @@ def call(name: str, *arguments: Any) -> None:
 
 
 def pending() -> bool:
-    """Whether something is to be raised when C returns: work that can stop should."""
+    """Whether an exception waits until C returns: work that can stop should stop."""
     return getattr(_local, "raised", None) is not None
 
 
 def kept(function: Callable[..., int], stop: int) -> Callable[..., int]:
-    """A callback that never raises into C: the exception is kept for `call`, and `stop` is what C is told. It does its work
-    while a signal's exception is pending: events on their way to a sink would be lost."""
+    """A callback that never raises into C: an exception is kept for `call`, and C gets `stop`. The callback still does its
+    work if only a signal's exception waits: otherwise events on their way to a sink would be lost."""
 
     def guarded(*arguments: Any) -> int:
         try:
@@ -102,7 +102,7 @@ def text(value: bytes | None) -> str:
 
 
 def _whole(value: bytes) -> bytes:
-    """C would take the text up to a NUL for all of it."""
+    """Refuses a text with NUL, at which C would end it."""
     if b"\0" in value:
         raise ValueError(f"{text(value)!r}: holds a NUL, which no name and no text of a run does")
     return value
@@ -125,12 +125,13 @@ def _as_plain(value: Any) -> Any:
 
 
 def as_json(value: Any) -> str:
-    """What a run file's key is set to, as JSON: numpy's numbers and arrays, and paths, too."""
+    """A value for a run file's key as JSON. Also numpy's numbers and arrays, and paths."""
     return json.dumps(value, default=_as_plain)
 
 
 def array(value: Any, dtype: Any, shape: tuple[int | None, ...], name: str) -> np.ndarray:
-    """`value` as a C-contiguous array, itself where it is one already; ValueError where the shape (None: any) is another."""
+    """`value` as a C-contiguous array, without a copy if it is one already. ValueError if it has another shape (None: any
+    length)."""
     made = np.ascontiguousarray(value, dtype)
     if made.ndim != len(shape) or any(want is not None and want != got for want, got in zip(shape, made.shape)):
         wanted = " x ".join("n" if n is None else str(n) for n in shape)
@@ -157,7 +158,7 @@ def instance(value: Any, kind: Any, name: str) -> Any:
 
 
 def given(value: Any, kind: Any, name: str) -> Any:
-    """The same, or the `kind` with its defaults where there is none."""
+    """`value`, if it is a `kind`; None: a `kind` with its defaults. TypeError naming both."""
     return kind() if value is None else instance(value, kind, name)
 
 

@@ -1,5 +1,5 @@
-"""What the fields of values are, for help() and for completion: each with its default, what it does, unit and range. A key
-of the run file is described by the parameter table, another field by its comment in the header."""
+"""Describes the fields of values, for help() and for completion: default, meaning, unit and range. A key of the run file is
+described by the parameter table, and another field by its comment in the header."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _PIECE = re.compile(r"/\*(?P<comment>.*?)\*/|(?P<fields>[^;/]+);", re.S)
 
 
 def comments(struct: Any) -> dict[str, str]:
-    """Fields of a struct with what the header says of them: behind them on their line, or on lines before them."""
+    """The header's comments on the fields of a struct: on a field's line, or on the lines before it."""
     body, found, before, last, end = struct.__doc__ or "", {}, "", [], 0
     for piece in _PIECE.finditer(body):
         if piece["fields"]:
@@ -54,7 +54,7 @@ def _shown(value: Any) -> str:
 
 
 def lines(value: Any, struct: Any, groups: tuple[str, ...], before: str = "") -> list[str]:
-    """A line for each field of a value that holds its defaults; those of structs in it by name.field."""
+    """A line for each field of a value that has its defaults. Fields of structs in it are named name.field."""
     said, made = comments(struct), []
     for name, kind in struct._fields_:
         if name in ("size", "reserved"):
@@ -73,7 +73,7 @@ def lines(value: Any, struct: Any, groups: tuple[str, ...], before: str = "") ->
 
 
 class _Shown:
-    """A default that a signature shows as its words."""
+    """A default that a signature shows as a word."""
 
     def __init__(self, words: str):
         self.words = words
@@ -89,7 +89,7 @@ def _default(held: Any) -> Any:
 
 
 def describe(cls: Any) -> None:
-    """Gives a class of values its fields' lines, and a signature with their names and defaults."""
+    """Adds a line for each field to the docstring of a class of values, and a signature with names and defaults."""
     struct = next(one for one in cls.__mro__ if one.__name__.startswith("tides_"))
     value = cls()
     told = lines(value, struct, cls._groups)

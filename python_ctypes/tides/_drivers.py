@@ -1,8 +1,9 @@
 """Lets OpenCL's loader find the CPU driver that pip installed: the extra `cpu` (pip install 'tides-...whl[cpu]').
 
-The loader looks into one folder, /etc/OpenCL/vendors or the one that OCL_ICD_VENDORS names, and pip can't write to the first. So
-a folder of the user's holds the system's entries and pip's driver, and OCL_ICD_VENDORS names it: in this process before its first
-call of OpenCL, and in those that it starts, the tool among them. Whoever sets one of the loader's variables is left alone.
+The loader looks into one folder, /etc/OpenCL/vendors or the one that OCL_ICD_VENDORS names, and pip can't write to the
+first. So a folder of the user's holds the system's entries and pip's driver, and OCL_ICD_VENDORS names it. The variable is
+set in this process before its first call of OpenCL, and so in processes that it starts, such as the tool. If the user has
+set one of the loader's variables, nothing changes.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pathlib import Path
 
 SYSTEM = Path("/etc/OpenCL/vendors")
 LOADERS = ("OCL_ICD_VENDORS", "OPENCL_VENDOR_PATH", "OCL_ICD_FILENAMES")
-#: Distributions with a driver, and its file.
+# #: Distributions that have a driver, and the driver's file.
 DRIVERS = {"intel-opencl-rt": "libintelocl.so"}
 
 
@@ -40,14 +41,14 @@ def _entries(driver: Path) -> dict[str, str]:
 
 
 def _write(folder: Path, entries: dict[str, str]) -> None:
-    """Makes the folder hold the entries and no other; a process that reads meanwhile sees whole files."""
+    """Makes the folder hold the entries and no other. Files are replaced whole, for processes that read them meanwhile."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in entries.items():
         path = folder / name
         if not path.exists() or path.read_text() != text:
             part = folder / f"{name}.{os.getpid()}"
             part.unlink(missing_ok=True)
-            with part.open("x") as file:  # makes it, and follows no link that others put there
+            with part.open("x") as file:  # fails where a file or link exists
                 file.write(text)
             part.replace(path)
     for path in folder.glob("*.icd"):
@@ -56,7 +57,7 @@ def _write(folder: Path, entries: dict[str, str]) -> None:
 
 
 def offer() -> None:
-    """Names pip's driver to the loader. Says so where it can't."""
+    """Makes the loader find pip's driver. Warns where it can't."""
     if any(os.environ.get(name) for name in LOADERS):
         return
     driver = installed()

@@ -1,4 +1,4 @@
-"""What every wrapped object has in common: an end, owners that outlive it, and a lock."""
+"""The base of wrapped objects: closing, owners that must outlive them, and a lock."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ._library import lib
 
 
 def _release(destroy: str, pointer: Any, owners: tuple[Any, ...]) -> None:
-    """Runs once: at close, when nobody refers to the object any more, or at exit. `owners` live until then."""
+    """Frees an object once: at close, when no reference is left, or at exit. `owners` live until then."""
     if destroy:
         getattr(lib, destroy)(pointer)
 
@@ -18,9 +18,9 @@ def _release(destroy: str, pointer: Any, owners: tuple[Any, ...]) -> None:
 class Handle:
     """An object of the library. `close()`, or a with statement, frees it at once; garbage collection does too.
 
-    Thread rule: an object may be used from several threads; calls that change it wait for each other, and so do those on
-    objects of one Device. For work in parallel, open a Device for each thread (which is what happens where none is given).
-    The GIL is released while C works.
+    Thread rule: an object may be used from several threads. Calls that change it wait for each other, and so do calls on
+    objects of one Device. For parallel work open a Device for each thread, which is the default. The GIL is released while
+    C works.
     """
 
     _destroy: str
@@ -37,19 +37,19 @@ class Handle:
 
     @classmethod
     def _lent(cls, pointer: Any, owner: "Handle") -> Any:
-        """An object that `owner` owns in C: it is closed with it."""
+        """An object that `owner` owns in C: it closes with its owner."""
         made = cls._of(pointer) if hasattr(cls, "_of") else cls.__new__(cls)
         if hasattr(made, "_finalizer"):
             made._give_away()
         made._destroy = ""
         Handle.__init__(made, pointer, lock=owner._lock)
-        made._lender = owner  # and not an owner: that lives as long as this, and this hangs on it
+        made._lender = owner  # not as an owner: the lender owns this object
         owner._loans.append(weakref.ref(made))
         return made
 
     @property
     def closed(self) -> bool:
-        """Whether close() was called, or that of what lent it its life."""
+        """Whether this object, or the one that lent it, was closed."""
         return not self._finalizer.alive or (self._lender is not None and self._lender.closed)
 
     @property
@@ -59,7 +59,7 @@ class Handle:
         return self._held
 
     def _unused(self, what: str) -> None:
-        """ValueError where an open object still looks at this one."""
+        """ValueError if an open object still uses this one."""
         user = next((one for one in self._users if not one.closed), None)
         if user is not None:
             raise ValueError(
@@ -70,17 +70,17 @@ class Handle:
                 loan._unused(what)
 
     def close(self) -> None:
-        """Frees the object now. ValueError while another one needs it; closing twice is fine."""
+        """Frees the object now. ValueError if another object needs it. Closing twice is fine."""
         with self._lock:
             self._unused("closed")
             self._finalizer()
 
     def _give_away(self) -> None:
-        """The library has taken the object over."""
+        """Marks the object as taken over by the library."""
         self._finalizer.detach()
 
     def __reduce__(self) -> Any:
-        """Pickled are objects that know the file or the values they came from; the rest is memory of this process."""
+        """Only objects that know their file or values can be pickled; others are memory of this process."""
         raise TypeError(
             f"a {type(self).__name__} can't be pickled: it is open in this process alone. Pickle what it is made of (Run, "
             "Scene, Camera, Trajectory and parameters can be) and make it anew where it is needed"

@@ -14,7 +14,7 @@ VERSION = f"{_api.TIDES_VERSION_MAJOR}.{_api.TIDES_VERSION_MINOR}.{_api.TIDES_VE
 
 
 def _candidates() -> Iterator[str]:
-    """Where the library may be, best first: in this package, TIDES_LIBRARY, the source tree's build/, the system's."""
+    """Places of the library, best first: this package, TIDES_LIBRARY, the source tree's build/, the system's."""
     here = Path(__file__).resolve().parent
     inside = here / f"libtides.so.{_api.TIDES_VERSION_MAJOR}"
     if inside.exists():
@@ -22,7 +22,7 @@ def _candidates() -> Iterator[str]:
     named = os.environ.get("TIDES_LIBRARY")
     if named:
         yield named
-        return  # whoever names one wants no other
+        return  # a named library is the only choice
     build = here.parents[1] / "build" / "libtides.so"
     if build.exists():
         yield str(build)
@@ -61,8 +61,8 @@ def _bind(library: ctypes.CDLL, path: str) -> SimpleNamespace:
 
 
 def _check_sizes(functions: SimpleNamespace, path: str) -> None:
-    """Structs that say their size must have the one that this package knows: else library and package are of different
-    headers."""
+    """Structs that have a `size` must have the size that this package expects. Otherwise library and package are of different
+    versions."""
     for name, (_, arguments, _names) in _api.FUNCTIONS.items():
         struct = getattr(arguments[0], "_type_", None) if name.endswith("_defaults") else None
         if struct is None or struct._fields_[0][0] != "size":
@@ -76,6 +76,6 @@ def _check_sizes(functions: SimpleNamespace, path: str) -> None:
 
 _drivers.offer()
 _cdll, PATH = _load()
-#: Every public function by its C name. `lib.tides_version()`.
+# #: Every public function by its C name, such as lib.tides_version().
 lib = _bind(_cdll, PATH)
 _check_sizes(lib, PATH)

@@ -1,5 +1,5 @@
-"""Gaussians moved by an affine map: their shapes, and the directions that their colours are seen from (C has the same in
-lib/scene/gaussians_place.c)."""
+"""Gaussians moved by an affine map: their shapes, and the directions from which their colours are seen.
+lib/scene/gaussians_place.c does the same in C."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from .scene import Gaussians
 
-_OPAQUE = 1 - 2.0**-24  # the nearest to 1, and 2^-24 to 0, that float32 tells from it: their logits are finite
+_OPAQUE = 1 - 2.0**-24  # greatest float32 opacity below 1: it and its complement 2^-24 have finite logits
 
 
 # -- spherical harmonics ---------------------------------------------------------------------------------------------------
@@ -17,7 +17,7 @@ def _band(directions: np.ndarray, degree: int) -> np.ndarray:
     """Band `degree` of INRIA's basis (real, with the Condon-Shortley phase) in unit directions (n x 3): m from -l to l."""
     x, y, z = directions.T
     made = np.empty((len(directions), 2 * degree + 1))
-    cosine, sine, start = np.ones_like(x), np.zeros_like(x), 1.0  # of m times the azimuth, times sin(polar)^m; (2 m - 1)!!
+    cosine, sine, start = np.ones_like(x), np.zeros_like(x), 1.0  # cos, sin of m azimuth, times sin(polar)^m; (2 m - 1)!!
     for m in range(degree + 1):
         before, value = np.zeros_like(z), np.full_like(z, start)
         for k in range(m + 1, degree + 1):
@@ -30,15 +30,15 @@ def _band(directions: np.ndarray, degree: int) -> np.ndarray:
 
 
 def turn_harmonics(sh: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """Coefficients (n x k x 3) of colours that are seen along turn d as these are along d; `turn` (3 x 3) may mirror."""
+    """Coefficients (n x k x 3) of colours that look along `turn` d as these look along d. `turn` (3 x 3) may mirror."""
     made, golden = sh.astype(np.float64), np.pi * (3 - 5**0.5)
-    i = np.arange(64)  # directions, spread evenly: band 4 has 9 functions
+    i = np.arange(64)  # directions, spread evenly: more than band 4's 9 functions need
     z = 1 - (2 * i + 1) / len(i)
     around = np.stack([np.sqrt(1 - z * z) * np.cos(golden * i), np.sqrt(1 - z * z) * np.sin(golden * i), z], 1)
     for degree in range(1, round(sh.shape[1] ** 0.5)):
         matrix = np.linalg.lstsq(_band(around, degree), _band(around @ turn, degree), rcond=None)[0]
         whole = np.round(matrix)
-        matrix = np.where(np.abs(matrix - whole) < 1e-12, whole, matrix)  # half turns change signs, and nothing else
+        matrix = np.where(np.abs(matrix - whole) < 1e-12, whole, matrix)  # half turns only change signs
         rows = slice(degree**2, (degree + 1) ** 2)
         made[:, rows] = np.einsum("jk,nkc->njc", matrix, made[:, rows])
     return made
@@ -66,15 +66,15 @@ def quaternions(matrix: np.ndarray) -> np.ndarray:
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of quaternions wxyz: a (4) times b (n x 4)."""
+    """Products of quaternions wxyz: a (4) times b (n x 4)."""
     w, v, s, u = a[0], a[1:], b[:, :1], b[:, 1:]
     return np.concatenate([w * s - (u @ v)[:, None], w * u + s * v + np.cross(v, u)], 1)
 
 
 @dataclass
 class Map:
-    """p -> linear p + shift. Of linear = turn stretch: turn (3 x 3) rotates and perhaps mirrors; `scale`, where it is the same
-    along all axes, else None."""
+    """p -> linear p + shift. linear = turn stretch, where turn (3 x 3) rotates and may mirror. `scale` is the stretch if it is
+    equal along all axes, else None."""
 
     linear: np.ndarray
     shift: np.ndarray
@@ -89,13 +89,13 @@ class Map:
 
     @property
     def rotation(self) -> np.ndarray:
-        """Quaternion of the turn; of the turn's opposite where it mirrors, which is the same to an ellipsoid."""
+        """Quaternion of the turn. If it mirrors, of its opposite, which gives an ellipsoid the same shape."""
         return quaternions((-self.turn if self.mirrors else self.turn)[None])[0]
 
 
 @dataclass
 class Splats:
-    """A prim's Gaussians at a time, in double, scales linear and opacities from 0 to 1."""
+    """A prim's Gaussians at a time, in double; scales are linear, and opacities from 0 to 1."""
 
     mean: np.ndarray
     scale: np.ndarray
@@ -109,7 +109,7 @@ class Splats:
         mean, sh = self.mean @ by.linear.T + by.shift, turn_harmonics(self.sh, by.turn)
         if by.scale is not None:
             return Splats(mean, by.scale * self.scale, _product(by.rotation, self.quaternion), self.opacity, sh)
-        axes, scale, _ = np.linalg.svd(by.linear @ _matrices(self.quaternion) * self.scale[:, None, :])  # of the ellipsoids
+        axes, scale, _ = np.linalg.svd(by.linear @ _matrices(self.quaternion) * self.scale[:, None, :])  # the ellipsoids' axes
         axes[np.linalg.det(axes) < 0] *= -1
         return Splats(mean, scale, quaternions(axes), self.opacity, sh)
 

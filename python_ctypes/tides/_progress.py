@@ -1,4 +1,4 @@
-"""Progress of long work, and its end on Ctrl-C: C calls back now and then, and Python's signals come through there."""
+"""Progress of long work, and its end on Ctrl-C. C calls back now and then, and Python's signals are handled there."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any, Callable, Union
 from . import _api
 from ._call import kept, pending, text
 
-#: None: silent. True: a bar of tqdm where that is installed, else a line on stderr per tenth. A function: called with the
-#: fraction done and the stage's name; it stops the work by returning something true (Cancelled) or by raising.
+# #: None: silent. True: a bar of tqdm if that is installed, else a line on stderr per tenth. A function: called with the
+# fraction done and the stage's name; it stops the work by returning something true (Cancelled) or by raising.
 Progress = Union[None, bool, Callable[[float, str], Any]]
 
 

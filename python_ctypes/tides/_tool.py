@@ -11,7 +11,8 @@ from ._library import PATH, VERSION
 
 
 def tool_beside() -> str | None:
-    """The tool beside the library: in this package, in build/, as make install puts it, or the system's where the library is."""
+    """The tool beside the library: in this package, in build/, as make install puts it, or for a system's library the
+    system's."""
     if "/" in PATH:
         folder = Path(PATH).resolve().parent
         places = [folder / "tides", folder.parent / "bin" / "tides"]
@@ -22,7 +23,7 @@ def tool_beside() -> str | None:
 
 
 def tool_path(named: str | None = None) -> str:
-    """The tool called `named`, else the one beside the library, else PATH's. RuntimeError: it is of another version."""
+    """The tool `named`, else the one beside the library, else PATH's. RuntimeError: it has another version."""
     tool = named or tool_beside() or shutil.which("tides")
     if tool is None:
         raise FileNotFoundError(f"the tool `tides` is neither beside {PATH} nor in PATH: run make install, or name it")

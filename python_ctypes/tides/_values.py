@@ -1,4 +1,4 @@
-"""Plain values: the C structs as Python objects with defaults, checked names, and words for enums; results as dicts."""
+"""The C structs as Python objects with defaults, checked names, and words for enums. Results become dicts."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class Facts(dict):
 
 
 def _fields(struct: Any) -> list[tuple[str, Any]]:
-    """Names and types of a struct's fields, those that only C needs left out."""
+    """Names and types of a struct's fields, without those that only C needs."""
     return [(name, kind) for name, kind in struct._fields_ if name not in _HIDDEN]
 
 
 def plain(value: Any) -> Any:
-    """A struct as Facts, an array as a list, bytes as text, a pointer to nothing as None; numbers as they are."""
+    """A struct as Facts, an array as a list, bytes as text, a null pointer as None; numbers unchanged."""
     if isinstance(value, ctypes.Structure):
         return Facts({name: plain(getattr(value, name)) for name, _ in _fields(value)})
     if isinstance(value, ctypes.Array):
@@ -42,13 +42,13 @@ def plain(value: Any) -> Any:
 
 
 def constants(prefix: str) -> dict[str, int]:
-    """The constants of an enum by their words: constants("TIDES_MODEL_") is {"linear": 0, ...}."""
+    """The constants of an enum by their words: constants("TIDES_MODEL_") gives {"linear": 0, ...}."""
     names = (name for name in vars(_api) if name.startswith(prefix))
     return {name[len(prefix) :].lower(): getattr(_api, name) for name in names}
 
 
 def choice(name: str, value: str | int, words: dict[str, int]) -> int:
-    """The number of a word. ValueError naming the words."""
+    """The number of a word. ValueError lists the words."""
     if isinstance(value, str):
         if value not in words:
             raise ValueError(f"{name}: {value!r} is none of {', '.join(words)}{nearest(value, words)}")
@@ -71,7 +71,7 @@ def _list_property(field: Any) -> property:
 
 
 def _expected(kind: Any) -> str:
-    """What a field of this type takes, in words."""
+    """A phrase for what a field of this type takes."""
     if kind in _REALS:
         return "a number"
     if kind is ctypes.c_char_p:
@@ -92,8 +92,8 @@ def _bounds(kind: Any) -> tuple[int, int]:
 
 
 def _checked(name: str, value: Any, kind: Any) -> None:
-    """ctypes would wrap whole numbers that don't fit, fill up arrays that are too short, and take a number for a text's
-    address."""
+    """Checks a value before ctypes takes it. ctypes would wrap whole numbers that don't fit, extend short arrays, and take a
+    number for a text's address."""
     if kind is ctypes.c_char_p:
         if not isinstance(value, (str, bytes, type(None))):
             raise TypeError
@@ -110,7 +110,7 @@ def _checked(name: str, value: Any, kind: Any) -> None:
 
 
 def _set_field(self: Any, name: str, value: Any) -> None:
-    """Sets a field of a struct; what doesn't fit is refused by the field's name and what it takes."""
+    """Sets a field of a struct. A wrong value is refused with the field's name and what it takes."""
     kinds = dict(_fields(self))
     if name not in kinds:
         raise AttributeError(f"{type(self).__name__} has no {name!r}{nearest(name, kinds)}")
@@ -124,7 +124,7 @@ def _set_field(self: Any, name: str, value: Any) -> None:
 
 
 def filled(struct: Any, **fields: Any) -> Any:
-    """A struct with these fields, refused by their names."""
+    """A struct with these fields, checked by their names."""
     made = struct()
     for name, value in fields.items():
         _set_field(made, name, value)
@@ -132,7 +132,7 @@ def filled(struct: Any, **fields: Any) -> Any:
 
 
 def _guard(struct: Any) -> None:
-    """Structs inside of values refuse what the values themselves refuse."""
+    """Makes structs inside of values check their fields too."""
     for _, kind in struct._fields_:
         if issubclass(kind, ctypes.Structure):
             kind.__setattr__ = _set_field
@@ -152,8 +152,8 @@ class Value:
 
     _defaults: str | None = None  # the C function that fills the struct
     _words: dict[str, str] = {}  # field: prefix of its enum's constants
-    _groups: tuple[str, ...] = ()  # where the run file's keys of the fields are: their sentences describe them
-    _preset: str | None = None  # the run file's group that presets fill it from: `preset` is then an argument
+    _groups: tuple[str, ...] = ()  # groups of run file keys whose sentences describe the fields
+    _preset: str | None = None  # group of the run file that presets fill it from; `preset` is then an argument
 
     def __init_subclass__(cls, **more: Any):
         super().__init_subclass__(**more)
@@ -168,7 +168,7 @@ class Value:
 
     def __init__(self, *unnamed: Any, **fields: Any):
         super().__init__()
-        if unnamed:  # the order of a struct's fields is nobody's to know
+        if unnamed:  # positional arguments would depend on the order of a struct's fields
             raise TypeError(f"{type(self).__name__}: {unnamed[0]!r} has no name: its fields are given as name=value")
         preset = fields.pop("preset", None) if self._preset else None
         if preset is not None:
@@ -191,7 +191,7 @@ class Value:
 
     @classmethod
     def _from(cls, struct: Any, owner: Any = None) -> Any:
-        """A copy of a struct of the same layout; `owner` has what its pointers point to."""
+        """A copy of a struct of the same layout. `owner` holds the memory that its pointers point to."""
         made: Any = cls.__new__(cls)
         ctypes.memmove(ctypes.addressof(made), ctypes.addressof(struct), ctypes.sizeof(made))
         ctypes.Structure.__setattr__(made, "_owners", (struct, owner))
@@ -206,7 +206,7 @@ class Value:
         return Facts({name: plain(getattr(self, name)) for name, _ in _fields(self)})
 
     def __reduce__(self) -> Any:
-        """Pickled are its fields: ctypes would refuse the texts."""
+        """Pickles the fields, since ctypes can't pickle texts."""
         return _filled, (type(self), {name: getattr(self, name) for name, _ in _fields(self)})
 
     def __eq__(self, other: object) -> bool:
@@ -217,5 +217,5 @@ class Value:
 
 
 def _filled(kind: Any, fields: dict[str, Any]) -> Any:
-    """A pickled value."""
+    """Unpickles a value."""
     return kind(**fields)

@@ -1,4 +1,4 @@
-"""Warnings of the package, which name the line that called it."""
+"""Warnings of the package, which point to the user's line."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import warnings
 
 
 def warn(message: str, category: type[Warning] = UserWarning) -> None:
-    """Warns of the user's line: how many frames of the package lie between differs by the way in (a run, a packet ...)."""
+    """Warns, with the line outside of the package that called it: the number of the package's frames varies."""
     frame, level = sys._getframe(1), 2
     while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
         frame, level = frame.f_back, level + 1

@@ -1,4 +1,4 @@
-"""Frame sequences, and the simulators that people compare with: ESIM, v2e, DVS-Voltmeter, IEBCS, LDATI."""
+"""Frame sequences, and the simulators used for comparison: ESIM, v2e, DVS-Voltmeter, IEBCS, LDATI."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .render import Renderer
 from .simulate import _Collector
 
 
-# As lib/frames/frame_range.c has it: floats beyond that aren't of a scale of 1.
+# Floats beyond this can't have full scale 1. lib/frames/frame_range.c has the same limit.
 _BRIGHT = 16
 
 
@@ -45,14 +45,14 @@ class Frames(Handle):
 
     def _take(self, made: Any, *arrays: np.ndarray) -> None:
         super().__init__(made)
-        self._arrays = arrays  # what C looks at
+        self._arrays = arrays  # memory that C reads
         width, height = c_int32(), c_int32()
         lib.tides_frames_size(made, byref(width), byref(height))
         self.width, self.height, self.planes = width.value, height.value, lib.tides_frames_planes(made)
 
     @property
     def note(self) -> str:
-        """A line on which stored value was taken for full scale, where the values' look decided; else ""."""
+        """A note on the stored value that was taken for full scale, if it was guessed from the values; else ""."""
         return text(lib.tides_frames_note(self._pointer))
 
     @classmethod
@@ -63,8 +63,8 @@ class Frames(Handle):
 
     @classmethod
     def of(cls, luminance: Any, times: Any, full_scale: float | None = None) -> "Frames":
-        """Luminance (n x height x width) at `times` (n) [s], without a copy where it is contiguous float64 and full scale is 1.
-        Integers beyond 1 and floats beyond 16 want `full_scale`, the value that is light 1."""
+        """Luminance (n x height x width) at `times` (n) [s], without a copy if it is contiguous float64 and full scale is 1.
+        Integers above 1 and floats above 16 need `full_scale`, the value of light 1."""
         given = np.asarray(luminance)
         if full_scale is not None:
             luminance = given / float(full_scale)
@@ -84,7 +84,7 @@ class Frames(Handle):
 
     @property
     def times(self) -> np.ndarray:
-        """(n) [s]."""
+        """Times (n) of the frames [s]."""
         return np.array([lib.tides_frames_time(self._pointer, index) for index in range(len(self))])
 
     def __getitem__(self, index: int) -> np.ndarray:
@@ -115,17 +115,17 @@ class Baseline(Handle):
         call("tides_baseline_create", params, width, height, byref(made))
         super().__init__(made)
         planes = (2, _api.TIDES_LDATI_PLANES) if params.method == "ldati" else ()
-        self._shape, self.stats = (*planes, height, width), Facts()  #: what the last `run` did
+        self._shape, self.stats = (*planes, height, width), Facts()  # statistics of the last `run`
 
     def push(self, time: float, luminance: Any) -> np.ndarray:
-        """The next frame (height x width; of LDATI 2 x 10 of them) at `time` [s]. Returns the events that no later frame can
-        come before, EVENT (n)."""
+        """Adds the next frame (height x width; for LDATI 2 x 10 of them) at `time` [s]. Returns the events that no later frame
+        can precede, EVENT (n)."""
         plane = array(luminance, np.float64, self._shape, "luminance")
         with self._lock:
             return _collected("tides_baseline_push", self._pointer, time, pointer(plane, c_double))
 
     def finish(self) -> np.ndarray:
-        """The events that were still held back, EVENT (n)."""
+        """Returns the remaining events, EVENT (n)."""
         with self._lock:
             return _collected("tides_baseline_finish", self._pointer)
 
@@ -137,7 +137,8 @@ class Baseline(Handle):
         frames_per_second: float = 0.0,
         progress: Progress = None,
     ) -> np.ndarray:
-        """All events, EVENT (n), of a sequence, or of a renderer at `frames_per_second` [Hz], in [start, stop] s; `stats` has the rest."""
+        """All events, EVENT (n), of a sequence, or of a renderer at `frames_per_second` [Hz], in [start, stop] s. `stats` has
+        statistics."""
         supply, stats, collector = _api.tides_frame_supply(), _api.tides_stats(), _Collector()
         supply.frames_per_second, supply.start, supply.stop = frames_per_second, start, stop
         if isinstance(frames, Renderer):
@@ -158,13 +159,13 @@ def _collected(name: str, *arguments: Any) -> np.ndarray:
 
 
 def esim_next_time(params: BaselineParams, time: float, fastest: float) -> float:
-    """When ESIM's adaptive sampling renders after `time` [s], from the largest |L_dot| there [1/s], or by motion from
-    the fastest flow [px/s]."""
+    """The time at which ESIM's adaptive sampling renders next after `time` [s]: from the largest |L_dot| [1/s], or by motion
+    from the fastest flow [px/s]."""
     return lib.tides_esim_next_time(byref(params.esim), time, fastest)
 
 
 def ldati(voxels: Any, start: float, stop: float, seed: int = 0, frame: int = 0) -> np.ndarray:
-    """V2CE's second stage: events of the voxels (2 x 10 x height x width), ON first, of the interval [start, stop) s."""
+    """V2CE's second stage: events of the voxels (2 x 10 x height x width), ON first, in the interval [start, stop) s."""
     voxels = array(voxels, np.float64, (2, 10, None, None), "voxels")
     height, width = voxels.shape[2:]
     return _collected("tides_ldati", pointer(voxels, c_double), width, height, start, stop, seed, frame)

@@ -1,4 +1,4 @@
-"""A sensor measured from a recording and from the light that it saw, as values, and as a preset."""
+"""Measures a sensor from a recording and the light that it saw, as values and as a preset."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ def _rows() -> list[Facts]:
 
 
 class Calibration(Facts):
-    """What came of a calibration. `measured` has a dict for each of threshold_on, threshold_off, threshold_sigma, log_eps, pole_s,
-    refractory_s, leak_rate_hz, shot_noise_hz and offset_s: value, error, early, late, left, right, raw, and state ("measured",
-    "uncertain", "bound", "unknown", "given"). The rest is as include/tides/calibrate.h has it: notes (a list), transitions,
-    deviation, agreement, map (height, width), hot (n, 2), rate_s, rate, rate_simulated, pole_scan, eps_scan. `preset` is None where
-    recording and light don't belong together (`refused`), else the text of a preset file."""
+    """The result of a calibration. `measured` has a dict for each of threshold_on, threshold_off, threshold_sigma, log_eps,
+    pole_s, refractory_s, leak_rate_hz, shot_noise_hz and offset_s: value, error, early, late, left, right, raw, and state
+    ("measured", "uncertain", "bound", "unknown", "given"). Others are notes (a list), transitions, deviation, agreement,
+    map (height, width), hot (n, 2), rate_s, rate, rate_simulated, pole_scan, eps_scan; include/tides/calibrate.h defines
+    them. `preset` is None if recording and light don't match (`refused`), else the text of a preset file."""
 
     preset: str | None
 
     def write(self, file: str | os.PathLike[str]) -> None:
-        """Writes the preset, for sensor.preset. ValueError where there is none."""
+        """Writes the preset, for sensor.preset. ValueError if there is none."""
         if self["preset"] is None:
             raise ValueError("no preset: " + "; ".join(self["notes"]))
         data = self["preset"].encode()
@@ -103,10 +103,10 @@ def calibrate(
     progress: Progress = None,
     **reading: Any,
 ) -> Calibration:
-    """Measures the sensor of a recording by the light of a session's scene and path, or of its frames, whose clock it shares.
-    start, stop [s] of the recording (the busiest second); roi is x, y, width, height [px]; fix has values that are known
-    ({"log_eps": 0.05}); static is a recording of a still scene, which noise and leak are then of;
-    `reading` are the fields of Reading."""
+    """Measures the sensor of a recording, by the light of a session's scene and path, or of its frames; both must have one
+    clock. start, stop: [s] of the recording (default: the busiest second). roi: x, y, width, height [px]. fix: known values
+    ({"log_eps": 0.05}). static: a recording of a still scene, from which noise and leak are measured. `reading` are the
+    fields of Reading."""
     options, found = _api.tides_calibrate_options(), _api.tides_calibration()
     lib.tides_calibrate_options_defaults(byref(options))
     if start is not None:

@@ -1,4 +1,4 @@
-"""Where the arithmetic runs."""
+"""Devices that compute: OpenCL devices, and the reference in C."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def _facts(info: _api.tides_device_info) -> Facts:
 
 
 def devices() -> list[Facts]:
-    """The OpenCL devices: kind ("cpu", "gpu", "other"), index, name, platform, driver, compute_units, lanes, fused
-    (0: its events are near those of other devices, not the same to the bit), memory_bytes."""
+    """The OpenCL devices: kind ("cpu", "gpu", "other"), index, name, platform, driver, compute_units, lanes, fused (0: its
+    events are close to those of other devices, but not equal to the bit), memory_bytes."""
     count = c_int32()
     call("tides_device_list", None, 0, byref(count))
     rows = (_api.tides_device_info * max(1, count.value))()
@@ -31,13 +31,13 @@ def devices() -> list[Facts]:
 
 class Device(Handle):
     """An open device: Device() is TIDES_DEVICE's or the first GPU, else the first CPU; Device("cpu"), "gpu", "reference", an
-    index of `devices()`, a part of a name. NoDevice where nothing matches. What several threads run may share one.
-    `threads`: how many of the host's work for each simulation made with it, 0 as many as there are processors (else
-    TIDES_THREADS, else 0); events don't depend on it. PoCL's own are bounded by POCL_MAX_PTHREAD_COUNT, set before it is loaded.
+    index of `devices()`, a part of a name. NoDevice if none matches. Several threads may share one. `threads`: host threads
+    for each simulation made with it; 0: as many as processors (default: TIDES_THREADS, else 0). Events don't depend on it.
+    PoCL's own threads are limited by POCL_MAX_PTHREAD_COUNT, set before it is loaded.
 
-    OpenCL doesn't survive a fork: in a child forked from a process that has used a device (multiprocessing's default on Linux
-    until Python 3.14, PyTorch's DataLoader with workers) what needs one raises NoDevice. Use the context "spawn" or "forkserver",
-    or open devices in the children alone."""
+    OpenCL doesn't survive a fork. In a child forked from a process that has used a device (multiprocessing's default on
+    Linux until Python 3.14, PyTorch's DataLoader with workers), calls that need a device raise NoDevice. Use the context
+    "spawn" or "forkserver", or open devices only in the children."""
 
     _destroy = "tides_device_close"
 
@@ -50,12 +50,12 @@ class Device(Handle):
 
     @property
     def threads(self) -> int:
-        """Of the host, for each simulation; 0: as many as there are processors."""
+        """Host threads for each simulation; 0: as many as processors."""
         return lib.tides_device_threads(self._pointer)
 
     @property
     def facts(self) -> Facts:
-        """As a row of `devices()`."""
+        """The facts of a row of `devices()`."""
         info = _api.tides_device_info()
         lib.tides_device_describe(self._pointer, byref(info))
         return _facts(info)
@@ -65,5 +65,5 @@ class Device(Handle):
 
 
 def opened(device: "Device | str | int | None") -> Device:
-    """`device` itself, or the one that a spec names."""
+    """`device` itself, or the device that a specification names."""
     return device if isinstance(device, Device) else Device(device)

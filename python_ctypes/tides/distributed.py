@@ -44,10 +44,10 @@ from ._tool import tool_path
 from ._values import Facts
 from ._warn import warn
 
-_POLL_S = 0.5  # how late a worker notices that the batch is to stop
-_STOP_S = 60.0  # what runs get to save what going on needs
-_SEEN_S = 60.0  # after which every machine sees what another one wrote: NFS keeps folders' entries for up to that
-_TOLD = 5  # failures that a warning quotes
+_POLL_S = 0.5  # delay until a worker notices that the batch should stop
+_STOP_S = 60.0  # time for runs to save their state
+_SEEN_S = 60.0  # until all machines see a new file: NFS caches folders for up to that
+_TOLD = 5  # failures quoted in a warning
 
 
 def _command(job: dict[str, Any], *options: str) -> list[str]:
@@ -56,14 +56,14 @@ def _command(job: dict[str, Any], *options: str) -> list[str]:
 
 
 def _words(said: str) -> str:
-    """The last line that the tool said."""
+    """The last line of the tool's output."""
     return (said.strip().splitlines() or ["ended without a word"])[-1].removeprefix("tides: ")
 
 
 # -- on a worker ----------------------------------------------------------------------------------------------------------
 class _Here:
-    """What a worker knows of one batch: whether it is to stop, and which of its runs are under way. It hangs on the worker, and
-    to ask it takes no network."""
+    """A worker's data of one batch: whether it should stop, and which of its runs are under way. It is stored at the worker,
+    so that looking needs no network."""
 
     def __init__(self) -> None:
         self.stop = threading.Event()
@@ -75,14 +75,14 @@ class _Here:
 
 
 def _tell_stop(token: str, dask_worker: Worker) -> int:
-    """How many runs are still at saving what going on needs."""
+    """Tells a worker to stop. Returns how many runs are still saving their state."""
     here = _Here.of(dask_worker, token)
     here.stop.set()
     return len(here.runs)
 
 
 def _say(process: subprocess.Popen[str], stop: threading.Event) -> str:
-    """What the process says until it ends; it is asked to end once `stop` is set."""
+    """The process's output until it ends. The process is asked to end when `stop` is set."""
     while True:
         try:
             return process.communicate(timeout=_POLL_S)[1]
@@ -101,7 +101,7 @@ def _run_tool(name: str, job: dict[str, Any], stop: threading.Event) -> None:
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
-        start_new_session=True,  # Ctrl-C comes through `stop`
+        start_new_session=True,  # Ctrl-C is handled by `stop`
     )
     try:
         said = _say(process, stop)
@@ -114,7 +114,7 @@ def _run_tool(name: str, job: dict[str, Any], stop: threading.Event) -> None:
 
 
 def _work(name: str, job: dict[str, Any]) -> None:
-    """One run, unless the batch is to stop. It ends with the worker: --parent sees to that even where that is killed."""
+    """Does one run, unless the batch should stop. The run ends with the worker, even if that is killed (--parent)."""
     here = _Here.of(get_worker(), job["token"])
     if here.stop.is_set():
         return
@@ -126,7 +126,8 @@ def _work(name: str, job: dict[str, Any]) -> None:
 
 
 def _spare_interrupt(group: int, machine: str) -> None:
-    """A terminal's Ctrl-C reaches the workers of a LocalCluster too, and would end them before their runs have saved."""
+    """Ignores a terminal's Ctrl-C, which also reaches the workers of a LocalCluster and would end them before their runs have
+    saved."""
     main = threading.current_thread() is threading.main_thread()
     if main and os.getpgrp() == group and os.uname().nodename == machine:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -134,7 +135,7 @@ def _spare_interrupt(group: int, machine: str) -> None:
 
 # -- at the client --------------------------------------------------------------------------------------------------------
 def _summary(job: dict[str, Any]) -> Facts:
-    """summary.json as of now, written by the tool."""
+    """The present summary.json, written by the tool."""
     done = subprocess.run(_command(job, "--summary", "--json"), cwd=job["folder"], capture_output=True, text=True)
     if not done.stdout:
         raise errors.make(_api.TIDES_BAD_CONFIG, "TIDES_BAD_CONFIG", _words(done.stderr))
@@ -142,7 +143,7 @@ def _summary(job: dict[str, Any]) -> Facts:
 
 
 def _settled_summary(job: dict[str, Any], finished: set[str]) -> Facts:
-    """The summary once it shows what workers on other machines finished."""
+    """The summary, once it shows the runs that workers on other machines finished."""
     until = time.monotonic() + _SEEN_S
     while True:
         summary = _summary(job)
@@ -153,18 +154,18 @@ def _settled_summary(job: dict[str, Any], finished: set[str]) -> Facts:
 
 
 def _leave_failure(job: dict[str, Any], row: Facts, words: str) -> None:
-    """As the tool leaves it where it can: here nothing of the run's lived to tell."""
+    """Writes failure.json, as the tool does when it can: here the run's process was killed."""
     folder = Path(job["folder"] or "", job["out_dir"], row.name)
     folder.mkdir(exist_ok=True)
     part = folder / "failure.json.part"
     part.unlink(missing_ok=True)
-    with part.open("x") as file:  # makes it, and follows no link that others put there
+    with part.open("x") as file:  # fails where a file or link exists
         json.dump({**{key: row[key] for key in ("name", "hash", "file", "set")}, "error": words}, file, indent=1)
     part.replace(folder / "failure.json")
 
 
 def _stop(client: Client, token: str, futures: list[Future]) -> None:
-    """Takes back the runs that wait, and gives those under way the time to save."""
+    """Cancels runs that wait, and gives runs under way time to save."""
     client.cancel(futures)
     until = time.monotonic() + _STOP_S
     while any(client.run(_tell_stop, token, on_error="ignore").values()) and time.monotonic() < until:
@@ -172,7 +173,7 @@ def _stop(client: Client, token: str, futures: list[Future]) -> None:
 
 
 class _Batch:
-    """What is under way, and what became of the runs that ended."""
+    """The runs under way, and the results of those that ended."""
 
     def __init__(self, job: dict[str, Any], rows: list[Facts], progress: Progress):
         self.job, self.rows = job, {row.name: row for row in rows}
@@ -185,14 +186,14 @@ class _Batch:
         return client.map(_work, list(self.rows), job=self.job, key=list(self.keys), retries=retries, pure=False)
 
     def end(self, future: Future) -> str:
-        """Takes the outcome of a run that has ended, and returns its name."""
+        """Takes the result of a run that has ended, and returns the run's name."""
         name = self.keys[future.key]
         if future.status == "finished":
             self.finished.add(name)
             return name
         error = future.exception() if future.status == "error" else RuntimeError("cancelled at the cluster")
         self.failed[name] = str(error)
-        if not isinstance(error, errors.TidesError):  # of which the tool knows nothing: workers that were killed
+        if not isinstance(error, errors.TidesError):  # the tool can't know: the worker was killed
             _leave_failure(self.job, self.rows[name], self.failed[name])
         return name
 
@@ -204,14 +205,14 @@ class _Batch:
             raise errors.make(_api.TIDES_CANCELLED, "TIDES_CANCELLED", "stopped on request; the same call goes on from there")
 
     def run(self, client: Client, retries: int) -> None:
-        """Every run to its end. After an exception (Ctrl-C) those under way have saved what going on needs."""
+        """Does every run. After an exception (Ctrl-C) runs under way have saved their state."""
         shown = shower() if self.progress is True else None
         client.run(_spare_interrupt, os.getpgrp(), os.uname().nodename, on_error="ignore")
         futures = self.submit(client, retries)
         try:
             for future in as_completed(futures):
                 self.tell(self.end(future), shown)
-                future.release()  # a result that nobody wants is not made again where its worker is lost
+                future.release()  # else Dask would repeat the run if its worker is lost
         except BaseException:
             _stop(client, self.job["token"], futures)
             raise

@@ -1,4 +1,4 @@
-"""Exceptions by kind. Each is a TidesError and, where Python has a word for it, that too: `except ValueError` works."""
+"""Exceptions by kind. Each is a TidesError, and a builtin exception where one fits: `except ValueError` works."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from . import _api
 
 
 class TidesError(Exception):
-    """A call failed. The text is one line: what was wrong, where, and how to put it right."""
+    """A call failed. The text is one line: the fault, its place, and how to mend it."""
 
     status: int = -1  #: TIDES_* of base.h
     name: str = "TIDES_UNKNOWN_STATUS"  #: "TIDES_BAD_FILE"
@@ -25,7 +25,7 @@ class FileMissing(TidesError, FileNotFoundError):
 
 
 class BadFile(TidesError, OSError):
-    """A file isn't what it claims to be."""
+    """A file's content isn't valid for its kind."""
 
 
 class WriteFailed(TidesError, OSError):
@@ -72,7 +72,7 @@ BY_STATUS: dict[int, type[TidesError]] = {
 
 
 def make(status: int, name: str, text: str) -> TidesError:
-    """The exception for a status of the library."""
+    """Makes the exception for a status of the library."""
     made = BY_STATUS.get(status, TidesError)(text)
     made.status, made.name = status, name
     return made

@@ -21,8 +21,8 @@ from ._progress import Progress, Reporter
 from ._values import Facts, Value, _fields, constants, plain
 from .files import check_unread, part_name, reads
 
-_NAMES = {"polarity": "p"}  # C's name: numpy's, as tonic and others have it
-_FIELDS = {**dict(_fields(_api.tides_event)), "frontend": "<f2"}  # in C its bits
+_NAMES = {"polarity": "p"}  # C's name: the name in numpy arrays, as in tonic
+_FIELDS = {**dict(_fields(_api.tides_event)), "frontend": "<f2"}  # float16, whose bits C has
 
 #: The record: fields t [ns] int64, x, y [px] uint16, p (+1, -1) int8, cause (CAUSES) uint8, frontend (what the front end had
 #: added to log-luminance) float16 [log units]; 16 bytes.
@@ -35,13 +35,13 @@ EVENT = np.dtype(
     }
 )
 
-#: What made an event: {"signal": 0, "leak": 1, ...}.
+# #: Causes of events: {"signal": 0, "leak": 1, ...}.
 CAUSES = constants("TIDES_CAUSE_")
 
-#: Columns of labels that a file may have: {"cause": 1, ...}.
+# #: Columns of labels in a file: {"cause": 1, ...}.
 LABELS = constants("TIDES_LABEL_")
 
-#: What tonic's datasets and transforms take: t [us], p 0 or 1.
+# #: The records of tonic's datasets and transforms: t [us], p 0 or 1.
 TONIC = np.dtype([("x", "<i2"), ("y", "<i2"), ("t", "<i8"), ("p", "i1")])
 
 
@@ -67,7 +67,7 @@ def make_events(t: Any, x: Any, y: Any, p: Any) -> np.ndarray:
 
 
 def as_events(events: Any) -> np.ndarray:
-    """`events` itself where it is a contiguous array of EVENT (n); else a copy of its fields t [ns], x, y, p."""
+    """`events` itself, if it is a contiguous array of EVENT (n); else a copy of its fields t [ns], x, y, p."""
     array = np.asarray(events)
     if array.dtype == EVENT and array.ndim == 1:
         return np.ascontiguousarray(array)
@@ -86,17 +86,17 @@ def to_tonic(events: Any) -> np.ndarray:
 
 
 def _records(events: np.ndarray) -> Any:
-    """A pointer for C; None where there is nothing to point to."""
+    """A pointer for C; None for no events."""
     return cast(events.ctypes.data, POINTER(_api.tides_event)) if len(events) else None
 
 
 def _texts(fields: dict[str, Any]) -> dict[str, Any]:
-    """Keyword arguments as C takes them."""
+    """Keyword arguments in the form that C takes."""
     return {name: encoded(value) if isinstance(value, str) else value for name, value in fields.items()}
 
 
 def _in_order(events: np.ndarray) -> np.ndarray:
-    """The events sorted by (t, y, x, p), as files have them: themselves where they are."""
+    """The events sorted by (t, y, x, p), as in files; without a copy if they are."""
     place = events["y"].astype(np.int64) << 32 | events["x"].astype(np.int64) << 8 | (events["p"] > 0)
     step = np.diff(events["t"])
     if np.all((step > 0) | ((step == 0) & (np.diff(place) >= 0))):
@@ -106,7 +106,7 @@ def _in_order(events: np.ndarray) -> np.ndarray:
 
 # -- files ----------------------------------------------------------------------------------------------------------------
 def event_formats() -> list[Facts]:
-    """The formats: name, summary, endings, reads, writes (bool), tick_ns (times are floored to it on writing)."""
+    """The formats: name, summary, endings, reads, writes (bool), tick_ns (times are rounded down to it on writing)."""
     formats: list[Facts] = []
     one = _api.tides_event_format()
     while lib.tides_event_format_at(len(formats), byref(one)):
@@ -116,8 +116,8 @@ def event_formats() -> list[Facts]:
 
 
 def events_summary(file: str | os.PathLike[str], **reading: Any) -> Facts:
-    """Reads a whole event file, as `reading`, the fields of Reading, say: count, count_on, disorder, first_ns, last_ns, width,
-    height, right, bottom, layout, version, labels (LABELS it has, added)."""
+    """Reads a whole event file, as `reading` (fields of Reading) says. Returns count, count_on, disorder, first_ns, last_ns,
+    width, height, right, bottom, layout, version, labels (sum of its LABELS)."""
     summary = _api.tides_event_summary()
     if not reading:
         call("tides_events_summary", path(file), summary)
@@ -137,16 +137,16 @@ class Reading(Value, _api.tides_event_reading):
 def check_stretch(
     first_ns: int, end_ns: int, start_ns: int, stop_ns: int, file: str | None = None, rebased: bool = False
 ) -> None:
-    """BadArgument where [start_ns, stop_ns) can't be meant of a recording that lasts from first_ns to end_ns: it misses it, or
-    begins long before."""
+    """BadArgument if [start_ns, stop_ns) can't belong to a recording from first_ns to end_ns: it lies outside, or begins long
+    before."""
     call("tides_event_stretch_check", encoded(file), first_ns, end_ns, start_ns, stop_ns, rebased)
 
 
 class EventReader(Handle):
-    """An event file of any format, read in stretches: `for packet in EventReader(file)` gives arrays of EVENT (at most
-    `packet` events each), in the file's order, t in nanoseconds on the file's clock. `reading` are the fields of Reading.
-    `facts`: format, version, width, height, count (None where it isn't known without reading), labels (LABELS it has, added;
-    `read_labelled` reads them), read_as (how columns and unit were told), zero_ns and dropped, as far as it was read."""
+    """An event file of any format, read in packets: `for packet in EventReader(file)` gives arrays of EVENT (at most `packet`
+    events each), in the file's order, t in nanoseconds of the file's clock. `reading` are the fields of Reading. `facts`:
+    format, version, width, height, count (None if only reading tells), labels (sum of LABELS; `read_labelled` reads them),
+    read_as (columns and unit, and how they were found), zero_ns and dropped, so far."""
 
     _destroy = "tides_event_reader_close"
 
@@ -163,7 +163,7 @@ class EventReader(Handle):
 
     @property
     def facts(self) -> Facts:
-        """What the file says of itself, and what reading found since."""
+        """Facts of the file, and of reading so far."""
         facts = _api.tides_event_facts()
         lib.tides_event_reader_facts(self._pointer, byref(facts))
         told = plain(facts)
@@ -172,7 +172,7 @@ class EventReader(Handle):
         return told
 
     def read(self, capacity: int) -> np.ndarray:
-        """The next EVENT (n), n at most `capacity`; 0 at the end."""
+        """The next EVENT (n), at most `capacity`; 0 at the end."""
         events, got = np.empty(capacity, EVENT), c_size_t()
         with self._lock:
             call("tides_event_reader_read", self._pointer, _records(events), capacity, byref(got))
@@ -203,9 +203,10 @@ class EventWriter(Handle):
         start_ns: int = 0,
         stop_ns: int = 0,
     ):
-        """`start_ns`, `stop_ns`: the recording's stretch, where it is known: what the format can't hold of it is refused at
-        once, and HDF5 counts from its start where it lies beyond 4294 s or before 0. `resume`: go on with FILE.part after its first so many events (HDF5 only). `labels`: each event's cause, when it
-        fired and what the front end added have columns of their own (HDF5 only)."""
+        """`start_ns`, `stop_ns`: the recording's interval, if known. Times that the format can't hold are refused at once, and
+        HDF5 counts from its start if it lies beyond 4294 s or before 0. `resume`: go on with FILE.part after so many events
+        (HDF5 only). `labels`: the file gets columns of each event's cause, the time when it fired and what the front end
+        added (HDF5 only)."""
         check_unread(file)
         made = POINTER(_api.tides_event_writer)()
         facts = _api.tides_event_file(width, height, encoded(run), encoded(seed), labels, start_ns, stop_ns)
@@ -217,8 +218,8 @@ class EventWriter(Handle):
         self._stop_ns = 0
 
     def append(self, events: Any, fired: Any = None) -> None:
-        """Events (n), sorted by (t, y, x, p), none before the last appended one, all inside the image. `fired` (n): with
-        labels, when each fired [ns]; None: at its t."""
+        """Adds events (n), sorted by (t, y, x, p), none before the last one, all inside the image. `fired` (n): with labels,
+        when each fired [ns]; None: at its t."""
         events = as_events(events)
         times = None if fired is None else np.ascontiguousarray(fired, np.int64)
         if times is not None and times.shape != events.shape:
@@ -232,22 +233,22 @@ class EventWriter(Handle):
             call("tides_event_writer_append", self._pointer, records, fired, count)
 
     def flush(self) -> None:
-        """What was appended so far survives the death of the process. HDF5 only."""
+        """Makes the events so far survive the death of the process. HDF5 only."""
         with self._lock:
             call("tides_event_writer_flush", self._pointer)
 
     @property
     def count(self) -> int:
-        """Events appended so far."""
+        """Number of events so far."""
         return lib.tides_event_writer_count(self._pointer)
 
     @property
     def collapsed(self) -> int:
-        """Of these, those that share their pixel and the format's tick with an earlier one."""
+        """Number of events that share their pixel and the format's tick with an earlier one."""
         return lib.tides_event_writer_collapsed(self._pointer)
 
     def finish(self, stop_ns: int | None = None) -> None:
-        """Completes the file; the writer is closed then. `stop_ns` is the recording's end; None: after the last event."""
+        """Completes the file, and closes the writer. `stop_ns` is the recording's end; None: after the last event."""
         with self._lock:
             pointer = self._pointer
             self._give_away()
@@ -261,15 +262,15 @@ class EventWriter(Handle):
 
 
 def can_resume(file: str | os.PathLike[str]) -> bool:
-    """Whether files of this ending can be gone on with after an interruption."""
+    """Whether files with this ending can be resumed after an interruption."""
     return bool(lib.tides_event_writer_can_resume(path(file)))
 
 
 def read_events(
     file: str | os.PathLike[str], first: int = 0, count: int | None = None, **reading: Any
 ) -> np.ndarray:
-    """Events [first, first + count) of a file of any format, as EVENT (n), in the file's order, with cause and frontend where
-    it has them. With `reading`, the fields of Reading, without these."""
+    """Events [first, first + count) of a file of any format, as EVENT (n), in the file's order, with cause and frontend if the
+    file has them. With `reading`, the fields of Reading, without these."""
     if not reading:
         return read_labelled(file, first, count)[0]
     with EventReader(file, **reading) as reader:
@@ -280,7 +281,7 @@ def read_events(
 def read_labelled(
     file: str | os.PathLike[str], first: int = 0, count: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """`read_events`, and when each of them fired [ns] (n), before the readout; their t where the file doesn't say."""
+    """`read_events`, and the time when each event fired [ns] (n), before the readout; t if the file doesn't tell."""
     with EventReader(file) as reader:
         facts = reader.facts
     if count is None:
@@ -304,10 +305,10 @@ def write_events(
     format: str | None = None,
     stop_ns: int | None = None,
 ) -> int:
-    """Writes EVENT (n) to a file of any writable format, in order of (t, y, x, p). Returns how many events collapsed into
-    another's tick. A write that fails leaves the folder as it was: the events are still here, and nobody goes on with their .part."""
+    """Writes EVENT (n) to a file of any writable format, in order of (t, y, x, p). Returns how many events share pixel and
+    tick with another. A write that fails leaves no FILE.part."""
     events, part = _in_order(as_events(events)), part_name(file)
-    writer = EventWriter(file, width, height, format)  # from here on the .part is ours
+    writer = EventWriter(file, width, height, format)  # from here on this call owns the .part
     try:
         with writer:
             writer.append(events)
@@ -321,8 +322,8 @@ def write_events(
 
 
 class Conversion(Value, _api.tides_event_conversion):
-    """What of a file is kept: start_ns, stop_ns; the window x, y, cut_width, cut_height; width, height of the sensor; and how it
-    is read, as Reading has it: rebase, offset_ns, drop_invalid, columns, unit, stream."""
+    """The part of a file that is kept: start_ns, stop_ns; the window x, y, cut_width, cut_height; width, height of the sensor.
+    And how it is read, as in Reading: rebase, offset_ns, drop_invalid, columns, unit, stream."""
 
     _defaults = "tides_event_conversion_defaults"
 
@@ -336,8 +337,8 @@ def convert_events(
     filters: Any = None,
     **kept: Any,
 ) -> Facts:
-    """Converts and cuts an event file, streamed, through `filters` (Filters) where given. `kept` are Conversion's other fields. Returns read, written, disorder,
-    collapsed, first_ns, last_ns, width, height, from, to."""
+    """Converts and cuts an event file, streamed, through `filters` (Filters) if given. `kept` are the fields of Conversion.
+    Returns read, written, disorder, collapsed, first_ns, last_ns, width, height, from, to."""
     conversion = Conversion(**{"from": encoded(source_format), "to": encoded(format), **_texts(kept)})
     if filters is not None:
         conversion.filters = ctypes.cast(ctypes.pointer(filters), POINTER(_api.tides_filters))

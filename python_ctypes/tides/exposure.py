@@ -1,4 +1,4 @@
-"""Frames as cameras make them: how they are exposed, and how light becomes values."""
+"""Camera frames: their exposure, and the conversion of light to values."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ class Exposure(Value, _api.tides_exposure):
 
     @property
     def planes(self) -> int:
-        """Of its light and values: 1 (Y) or 3 (r, g, b)."""
+        """Planes of light and values: 1 (Y) or 3 (r, g, b)."""
         return lib.tides_exposure_planes(self)
 
     def row(self, height: int, time: float, row: int) -> tuple[float, float]:
-        """When a row of a frame at `time` is exposed: start and stop [s]."""
+        """Start and stop [s] of the exposure of a row, for a frame at `time` [s]."""
         start, stop = c_double(), c_double()
         lib.tides_exposure_row(self, height, time, row, byref(start), byref(stop))
         return start.value, stop.value
 
     def span(self, height: int, time: float) -> tuple[float, float]:
-        """When any row of a frame at `time` is exposed: start and stop [s]."""
+        """Start of the first and stop of the last exposure [s] of all rows of a frame at `time` [s]."""
         start, stop = c_double(), c_double()
         lib.tides_exposure_span(self, height, time, byref(start), byref(stop))
         return start.value, stop.value
 
     def times(self, height: int, start: float, stop: float) -> np.ndarray:
-        """Times (n) [s], each the middle of an exposure, of all frames that lie within [start, stop] with all their rows."""
+        """Middles of exposures (n) [s] of all frames whose rows lie within [start, stop]."""
         count = lib.tides_exposure_count(self, height, start, stop)
         return np.array([lib.tides_exposure_time(self, height, start, index) for index in range(count)])
 

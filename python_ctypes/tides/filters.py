@@ -1,4 +1,4 @@
-"""The filters that a camera runs on its events, for recordings and for simulations."""
+"""Filters that cameras apply to their events, for recordings and for simulations."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _STAGES = ("background", "activity", "afk", "trail", "erc")
 
 
 class Filters(Value, _api.tides_filters):
-    """The filters, all off: background_s, background_support; activity_low_start, _low_stop, _high_start, _high_stop [events/s],
-    activity_period_s; afk ("off", "band_stop", "band_pass"), afk_low_hz, afk_high_hz, afk_cell_px, afk_start, afk_stop; trail
-    ("off", "trail", "stc_cut", "stc_keep"), trail_s; erc_events, erc_period_s, erc_law ("chance", "first"). `preset` gives the
-    fields that aren't given."""
+    """The filters, all off by default: background_s, background_support; activity_low_start, _low_stop, _high_start,
+    _high_stop [events/s], activity_period_s; afk ("off", "band_stop", "band_pass"), afk_low_hz, afk_high_hz, afk_cell_px,
+    afk_start, afk_stop; trail ("off", "trail", "stc_cut", "stc_keep"), trail_s; erc_events, erc_period_s, erc_law
+    ("chance", "first"). `preset` sets the fields that aren't given."""
 
     _defaults = "tides_filters_defaults"
     _words = {"afk": "TIDES_AFK_", "trail": "TIDES_TRAIL_", "erc_law": "TIDES_ERC_"}
@@ -29,12 +29,12 @@ class Filters(Value, _api.tides_filters):
 
     @property
     def any(self) -> bool:
-        """Whether one of them is on."""
+        """Whether any filter is on."""
         return bool(lib.tides_filters_any(byref(self)))
 
 
 class Filter(Handle):
-    """Filters of a sensor of width x height px, with what they remember from call to call."""
+    """Filters of a sensor of width x height px, with their state between calls."""
 
     _destroy = "tides_filter_destroy"
 
@@ -44,7 +44,7 @@ class Filter(Handle):
         super().__init__(made)
 
     def __call__(self, events: Any) -> np.ndarray:
-        """The EVENT (n), in order of time and none before any given earlier, that pass."""
+        """The events that pass, EVENT (n). Input is in order of time, and not before earlier input."""
         events, kept = as_events(events).copy(), c_size_t()
         with self._lock:
             call("tides_filter_apply", self._pointer, _records(events), None, len(events), byref(kept))
@@ -52,7 +52,7 @@ class Filter(Handle):
 
     @property
     def stats(self) -> Facts:
-        """in, out, and how many each filter dropped."""
+        """Numbers of events in and out, and dropped by each filter."""
         stats = _api.tides_filter_stats()
         lib.tides_filter_stats_get(self._pointer, byref(stats))
         facts = plain(stats)
@@ -61,8 +61,8 @@ class Filter(Handle):
 
 
 def filter(events: Any, filters: Filters | None = None, size: tuple[int, int] | None = None, **fields: Any) -> np.ndarray:
-    """The EVENT (n), in order of time, that a camera's filters let pass: tides.filter(events, trail="stc_cut", trail_s=0.01).
-    `fields` are those of Filters; `size` is the sensor's width and height [px], as far as events reach where it isn't given."""
+    """The events that pass, EVENT (n), in order of time: tides.filter(events, trail="stc_cut", trail_s=0.01). `fields` are
+    those of Filters. `size` is the sensor's width and height [px]; default: as large as events need."""
     events = as_events(events)
     if filters is None:
         filters = Filters(**fields)

@@ -1,4 +1,4 @@
-"""Worlds made by the library: a scene with a camera that fits, for tests and first steps."""
+"""Made worlds: a scene with a camera that fits, for tests and first steps."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class GenerateOptions(Value, _api.tides_generate_options):
 
 @dataclass(frozen=True)
 class World:
-    """What was made: scene, camera; background, linear (r, g, b), for ImageParams; duration_s [s], how long motions and the path
-    last, from 0."""
+    """A made world: scene, camera; background, linear (r, g, b), for ImageParams; duration_s [s] of motions and path, from
+    0."""
 
     scene: Scene
     camera: Camera
@@ -32,18 +32,18 @@ class World:
 
 
 def generators() -> list[Facts]:
-    """The kinds of worlds: name, sentence, counted, count, count_most, gaussians, duration_s."""
+    """The kinds of made worlds: name, sentence, counted, count, count_most, gaussians, duration_s."""
     count = c_size_t()
     rows = lib.tides_generators(byref(count))
     return [plain(row) for row in rows[: count.value]]
 
 
 def generate(kind: str, **options: Any) -> World:
-    """Makes a world of `kind`; `options` are the fields of GenerateOptions. The same options give the same world."""
+    """Makes a world of `kind`; `options` are the fields of GenerateOptions. Equal options give equal worlds."""
     made = _api.tides_world()
     call("tides_generate", encoded(kind), GenerateOptions(**options), made)
     try:
-        scene = Scene._of(cast(made.scene, POINTER(_api.tides_scene)))  # cast: a field's pointer changes with the field
+        scene = Scene._of(cast(made.scene, POINTER(_api.tides_scene)))  # a cast, since a field's pointer changes with the field
         made.scene = None
         path = Trajectory._of(cast(made.camera, POINTER(_api.tides_trajectory)))
         made.camera = None

@@ -59,9 +59,9 @@ def read_exr(file: str | os.PathLike[str]) -> dict[str, np.ndarray]:
 
 
 def read_truth(file: str | os.PathLike[str]) -> dict[str, np.ndarray]:
-    """Ground truth of a file as float32 planes (height x width), NaN where nothing is known: the channels of an .exr;
-    "displacement_u" and "displacement_v" of DSEC's .png and BlinkFlow's .npy; "disparity" or "depth" of 16-bit grey .png;
-    "instance" of 8-bit grey ones; arrays (height, width) are "instance" or "depth"."""
+    """Ground truth of a file as float32 planes (height x width), NaN where unknown: the channels of an .exr; "displacement_u"
+    and "displacement_v" of DSEC's .png and BlinkFlow's .npy; "disparity" or "depth" of 16-bit grey .png; "instance" of
+    8-bit grey ones. Arrays (height, width) are "instance" or "depth"."""
     return _planes("tides_truth_read", file)
 
 
@@ -72,7 +72,7 @@ def write_png(file: str | os.PathLike[str], rgb: Any) -> None:
 
 
 def write_png_values(file: str | os.PathLike[str], values: Any, bits: int = 8) -> None:
-    """Writes whole numbers (height x width, or x 3) as they are, of 8 or 16 bits."""
+    """Writes whole numbers (height x width, or x 3) of 8 or 16 bits, without conversion."""
     given = np.asarray(values)
     if given.dtype.kind not in "ui" or (given.size and (given.min() < 0 or given.max() >= 1 << bits)):
         raise ValueError(f"values: whole numbers from 0 to {(1 << bits) - 1} are needed")
@@ -125,14 +125,14 @@ def picture_flow(u: Any, v: Any, limit: float = 0.0, key: bool = False) -> np.nd
 
 
 def picture_depth(depth: Any, near: float = 0.0, far: float = 0.0, key: bool = False) -> np.ndarray:
-    """Depths from `near`, light, to `far`, dark (0, 0: the nearest and farthest there are); 0 is black. uint8 (height x width x
+    """Depths from `near`, light, to `far`, dark (0, 0: the nearest and farthest of all); 0 is black. uint8 (height x width x
     3). `key`: with the ramp in a corner, from 64 px on."""
     made = _picture("tides_picture_depth", [depth], near, far)
     return _with_key("tides_picture_depth_key", made) if key else made
 
 
 def picture_labels(labels: Any) -> np.ndarray:
-    """Whole numbers in colours of their own; negative ones are black."""
+    """Whole numbers in distinct colours; negative ones are black."""
     return _picture("tides_picture_labels", [labels])
 
 
@@ -148,7 +148,7 @@ def picture_events(events: Any, width: int, height: int, base: Any = None) -> np
 
 
 def picture_text(rgb: np.ndarray, x: int, y: int, words: str, scale: int = 1, colour: Any = (0, 0, 0)) -> None:
-    """Draws ASCII text into a contiguous picture (uint8, height x width x 3), its top left corner at (x, y)."""
+    """Draws ASCII text into a contiguous picture (uint8, height x width x 3), with its top left corner at (x, y)."""
     if _rgb(rgb) is not rgb:
         raise ValueError("rgb: a C-contiguous array is needed, it is drawn into")
     ink = (c_uint8 * 3)(*colour)
@@ -156,13 +156,13 @@ def picture_text(rgb: np.ndarray, x: int, y: int, words: str, scale: int = 1, co
 
 
 class Animation(Handle):
-    """Pictures of one size, one after the other: .png or .apng (animated PNG), .y4m (video), frame%04d.png (one file each).
-    In a with statement the file is finished at the end, and removed where an exception ends it."""
+    """Pictures of one size in sequence: .png or .apng (animated PNG), .y4m (video), frame%04d.png (one file each). In a with
+    statement the file is finished at the end, and removed after an exception."""
 
     _destroy = "tides_animation_abandon"
 
     def __init__(self, file: str | os.PathLike[str] | int, width: int, height: int, pictures_per_second: float = 25.0):
-        """`file`: a path, or an open file descriptor (a pipe), which gets the video as it is made."""
+        """`file`: a path, or an open file descriptor (a pipe), to which the video is written at once."""
         made = POINTER(_api.tides_animation)()
         if isinstance(file, int):
             call("tides_animation_stream", file, width, height, pictures_per_second, byref(made))
@@ -172,13 +172,13 @@ class Animation(Handle):
         self._shape = (height, width, 3)
 
     def append(self, rgb: Any) -> None:
-        """The next picture, uint8 (height x width x 3)."""
+        """Adds the next picture, uint8 (height x width x 3)."""
         picture = array(_rgb(rgb), np.uint8, self._shape, "rgb")
         with self._lock:
             call("tides_animation_append", self._pointer, pointer(picture, c_uint8))
 
     def finish(self) -> None:
-        """Completes the file; the animation is closed then."""
+        """Completes the file, and closes the animation."""
         with self._lock:
             held = self._pointer
             self._give_away()

@@ -1,4 +1,4 @@
-"""Runs whose camera and objects are told as they go: robots, agents, closed loops."""
+"""Runs whose camera and objects get their poses during the run: robots, agents, closed loops."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ _NOT_GIVEN = c_size_t(-1).value
 
 
 class LiveOptions(Value, _api.tides_live_options):
-    """What is told, and for how long: camera, stop [s], most_speed [scene units/s], most_turn_rate [rad/s], keep."""
+    """Options of a live run: camera (1: its poses are given), stop [s], most_speed [scene units/s], most_turn_rate [rad/s],
+    keep."""
 
     _defaults = "tides_live_options_defaults"
 
@@ -62,8 +63,8 @@ class Live(Handle):
         device: Device | str | int | None = None,
         progress: Progress = None,
     ):
-        """`run`: a run file, a Run, or a Session, which several of them may share. `stop` [s]: where the run ends, with the last
-        step (None: as far as it is told)."""
+        """`run`: a run file, a Run, or a Session, which several live runs may share. `stop` [s]: the run's end, with the last
+        step (None: no end)."""
         if isinstance(run, Session):
             session = run.vary(set) if set else run
         else:
@@ -89,7 +90,7 @@ class Live(Handle):
         super().__init__(made, session, lock=session._lock)
         self._camera = bool(camera)
         self._at = session.values.start, 0.0, 0.0
-        self._waiting = np.empty(0, EVENT)  # what C gave before a signal's exception came in between
+        self._waiting = np.empty(0, EVENT)  # events of a call that a signal's exception interrupted
 
     def _number(self, one: str | int) -> int:
         names = []
@@ -105,11 +106,11 @@ class Live(Handle):
 
     # -- steps ------------------------------------------------------------------------------------------------------
     def step(self, pose: Any = None, dt: float | None = None, objects: dict[str | int, Any] | None = None) -> np.ndarray:
-        """Tells where the camera (`pose`) and `objects` ({name: pose}) are `dt` seconds on, advances to there, and gives the
-        events since the last step, as EVENT (n). Where a camera or an object has been told further ahead, it may be left out.
-        BadArgument, OutOfRange: NaN, a step of no time or back, a turn of half a turn, a jump, something that isn't told; then
-        nothing was told, time stays where it is, and the step may be taken once more. Whatever a call had done before it
-        raised, Ctrl-C included, its events come with the next that succeeds, as `run(live.reached)` does."""
+        """Sets where the camera (`pose`) and `objects` ({name: pose}) are `dt` seconds later, advances to there, and returns
+        the events since the last step, as EVENT (n). A camera or an object whose path is known further ahead may be left
+        out. BadArgument, OutOfRange: NaN, a step of no time or back, half a turn, a jump, an object that isn't live. Then
+        nothing changes, and the step may be repeated. If a call raises otherwise, Ctrl-C included, its events come with the
+        next successful one, such as `run(live.reached)`."""
         if dt is None:
             raise TypeError("step: dt, the time [s] to the pose, must be given: live.step(pose, 1e-3)")
         if not (dt > 0 and math.isfinite(dt)):
@@ -126,23 +127,23 @@ class Live(Handle):
         return self._events("tides_live_step", arguments, (start, elapsed, rest))
 
     def tell(self, pose: Any, time: float, object: str | int | None = None) -> None:
-        """Tells where the camera, or an object, is at `time` [s], as far ahead as you like. For the run's start, first of all:
-        where it begins."""
+        """Sets where the camera, or an object, is at `time` [s], which may be far ahead. The first pose is that of the run's
+        start."""
         number, sample = self._camera_told() if object is None else self._told(object), _sample(pose, time)
         with self._lock:
             call("tides_live_tell", self._pointer, number, pointer(sample, _api.tides_pose_sample), 1)
 
     def run(self, until: float) -> np.ndarray:
-        """Advances to `until` [s]: the events since the last call, as EVENT (n), sorted by (t, y, x, p)."""
+        """Advances to `until` [s]. Returns the events since the last call, as EVENT (n), sorted by (t, y, x, p)."""
         return self._events("tides_live_run", (until,), (float(until), 0.0, 0.0))
 
     def finish(self) -> np.ndarray:
-        """Ends the run at `reached`: the events that a readout still held, as EVENT (n). All events together are those of a run whose
-        time.stop is `reached`."""
+        """Ends the run at `reached`. Returns the events that a readout still held, as EVENT (n). All events together equal
+        those of a run whose time.stop is `reached`."""
         return self._events("tides_live_finish", (), (self.reached, 0.0, 0.0))
 
     def _events(self, function: str, arguments: tuple[Any, ...], at: tuple[float, float, float]) -> np.ndarray:
-        """What waited and what `function` gives, which comes to `at`."""
+        """Events that wait from an interrupted call, and those of `function`, which advances to `at`."""
         events, count = POINTER(_api.tides_event)(), c_size_t(_NOT_GIVEN)
         with self._lock:
             try:
@@ -166,26 +167,26 @@ class Live(Handle):
     # -- state ------------------------------------------------------------------------------------------------------
     @property
     def time(self) -> float:
-        """Where it has been advanced to [s]."""
+        """The time of the last pose that it was advanced to [s]."""
         start, elapsed, rest = self._at
         return start + (elapsed + rest)
 
     @property
     def reached(self) -> float:
-        """The end of the last whole step [s]: up to there events have been given, or wait for the next call."""
+        """The end of the last whole step [s]. Events up to there were returned, or come with the next call."""
         with self._lock:
             return lib.tides_live_reached(self._pointer)
 
     @property
     def stats(self) -> Facts:
-        """What was done so far, field for field what `tides simulate --stats` writes."""
+        """Statistics so far, with the fields of `tides simulate --stats`."""
         stats = _api.tides_stats()
         with self._lock:
             lib.tides_simulator_stats(lib.tides_live_simulator(self._pointer), byref(stats))
         return plain(stats)
 
     def path(self, object: str | int | None = None) -> Trajectory:
-        """A copy of the camera's open path, or an object's, as far as it is known; of all that was told with keep=True."""
+        """A copy of the camera's open path, or an object's, as far as it is kept; with keep=True all of it."""
         number = _CAMERA if object is None else self._told(object)
         with self._lock:
             path = lib.tides_live_path(self._pointer, number)
@@ -195,7 +196,7 @@ class Live(Handle):
 
 
 def _sum(whole: float, rest: float, more: float) -> tuple[float, float]:
-    """whole + rest + more without what sums lose, so that a thousand steps of 0.001 end at 1."""
+    """whole + rest + more as a sum and its rounding error, so that a thousand steps of 0.001 end at 1."""
     made = whole + more
     lost = (whole - (made - (made - whole))) + (more - (made - whole))
     return made, rest + lost
@@ -229,7 +230,7 @@ def _sample(pose: Any, time: float) -> np.ndarray:
 
 
 def _quaternion(rotation: np.ndarray) -> np.ndarray:
-    """wxyz of a rotation matrix: the eigenvector of the largest eigenvalue of Bar-Itzhack's matrix (2000)."""
+    """Quaternion wxyz of a rotation matrix: the eigenvector of the largest eigenvalue of Bar-Itzhack's matrix (2000)."""
     r = np.asarray(rotation, np.float64)
     if not np.allclose(r @ r.T, np.eye(3), atol=1e-6) or np.linalg.det(r) < 0:
         raise ValueError("a pose's matrix must begin with a rotation: orthonormal, of determinant 1")
@@ -241,7 +242,7 @@ def _quaternion(rotation: np.ndarray) -> np.ndarray:
     return q if q[0] >= 0 else -q
 
 
-#: How our camera axes, OpenCV's (x right, y down, z forward), lie in those of others, as wxyz.
+# #: Rotations wxyz from camera axes of other systems to TIDES', OpenCV's (x right, y down, z forward).
 CAMERA_AXES = {
     "opencv": (1.0, 0.0, 0.0, 0.0),
     "opengl": (0.0, 1.0, 0.0, 0.0),  # x right, y up, looks along -z: MuJoCo, USD and so Isaac, Genesis, Blender
@@ -250,8 +251,8 @@ CAMERA_AXES = {
 
 
 def camera_quaternion(quaternion: Any, axes: str) -> np.ndarray:
-    """The quaternion (wxyz, camera to world) that a camera is told by, of one whose axes are `axes`, a key of CAMERA_AXES.
-    Position, velocity and angular velocity, which are in world axes, stay as they are."""
+    """The quaternion (wxyz, camera to world) for TIDES of a camera with the axes `axes`, a key of CAMERA_AXES. Position,
+    velocity and angular velocity are in world axes, and don't change."""
     if axes not in CAMERA_AXES:
         raise ValueError(f"axes: {axes!r} is none of {', '.join(CAMERA_AXES)}")
     a, b = np.asarray(quaternion, np.float64), np.array(CAMERA_AXES[axes])
@@ -261,6 +262,6 @@ def camera_quaternion(quaternion: Any, axes: str) -> np.ndarray:
 
 
 def _angular(pose: Pose) -> np.ndarray:
-    """Angular velocity, in world axes, of a pose with its rate: R_dot R^T is its cross product."""
+    """Angular velocity, in world axes, of a pose and its rate: the vector of the cross product R_dot R^T."""
     turning = pose.rotation_dot @ pose.rotation.T
     return np.array([turning[2, 1] - turning[1, 2], turning[0, 2] - turning[2, 0], turning[1, 0] - turning[0, 1]]) / 2

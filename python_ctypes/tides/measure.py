@@ -1,4 +1,4 @@
-"""Measuring methods: exact streams, and settings that make a method's pixels ideal."""
+"""Standards for measuring methods: exact streams, and settings that make a method's pixels ideal."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 
 class ExactOptions(Value, _api.tides_exact_options):
-    """How far an exact stream is refined: in_double, first_step_s, last_tolerance, first_rate, least_rate, last_rate,
-    long_renders; 0: what the run asks for."""
+    """Limits of an exact stream's refinement: in_double, first_step_s, last_tolerance, first_rate, least_rate, last_rate,
+    long_renders; 0: chosen for the run."""
 
     _defaults = "tides_exact_options_defaults"
 
@@ -51,9 +51,9 @@ def exact_stream(
     progress: Progress = None,
     **options: Any,
 ) -> Facts:
-    """The events of a scene in its own signal, refined until halving the steps moves none by more than a nanosecond, or until
-    `options` (fields of ExactOptions) end it: events, steps_per_s, tolerance, moved (how the last halving moved it),
-    worst_residual, renders."""
+    """The exact events of a scene: steps are halved until that moves no event by more than a nanosecond, or until `options`
+    (fields of ExactOptions) end it. Returns events, steps_per_s, tolerance, moved (by the last halving), worst_residual,
+    renders."""
     made, device = _api.tides_exact(), opened(device)
     world = (scene._pointer, camera.trajectory._pointer, camera.intrinsics, image or ImageParams(), sensor or Sensor())
     with device._lock, Reporter(progress) as step:
@@ -63,7 +63,8 @@ def exact_stream(
 
 
 def session_exact(session: "Session", progress: Progress = None, **options: Any) -> Facts:
-    """The same of a session with ideal pixels of its own thresholds; on frames straight lines between them."""
+    """The exact events of a session, with ideal pixels of its thresholds; on frames, of straight lines between them. Returns
+    the same facts as exact_stream."""
     made = _api.tides_exact()
     with session._lock, Reporter(progress) as step:
         call("tides_session_exact", session._pointer, ExactOptions(**options), step, None, byref(made))
@@ -71,14 +72,14 @@ def session_exact(session: "Session", progress: Progress = None, **options: Any)
 
 
 def image_is_continuous(image: ImageParams) -> bool:
-    """Whether nothing in the image jumps in time."""
+    """Whether the image is continuous in time under these rules."""
     return bool(lib.tides_image_is_continuous(image))
 
 
 def ideal_settings(run: "Run", method: str, pixel: bool = True, sensor: bool = False) -> dict[str, str]:
-    """Overrides ({key: value}) that take `method` in place of the run's own, with ideal pixels of the run's thresholds; with
-    pixel=False only the thresholds, where the run gives none for the method. With sensor=True (and pixel=False) the run's sensor
-    in the method's own parameters, but for keys that the run gives."""
+    """Overrides ({key: value}) that make `method` replace the run's own, with ideal pixels of the run's thresholds.
+    pixel=False: only the thresholds, if the run gives none for the method. With sensor=True (and pixel=False): the run's
+    sensor in the method's own parameters, except keys that the run gives."""
     texts, count = POINTER(c_char_p)(), c_size_t()
     what = _api.TIDES_IDEAL_PIXEL if pixel else _api.TIDES_IDEAL_SENSOR if sensor else _api.TIDES_IDEAL_THRESHOLDS
     call("tides_ideal_settings", run._pointer, method.encode(), what, byref(texts), byref(count))

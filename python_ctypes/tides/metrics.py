@@ -1,4 +1,4 @@
-"""How good a stream of events is, beside a reference."""
+"""Metrics: compares a stream of events with a reference."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _BETTER = {number: word for word, number in constants("TIDES_BETTER_").items()}
 
 
 def table() -> list[Facts]:
-    """All values that there are: name, family (of `tides metrics --only`), unit, sentence, better ("lower", "higher", "one",
-    "zero", "neither"), of_stream (True: of each stream by itself)."""
+    """All values: name, family (of `tides metrics --only`), unit, sentence, better ("lower", "higher", "one", "zero",
+    "neither"), of_stream (True: a value of each stream)."""
     count = c_size_t()
     rows = [plain(row) for row in lib.tides_metrics_table(byref(count))[: count.value]]
     names = ("name", "family", "unit", "sentence")
@@ -29,12 +29,12 @@ def table() -> list[Facts]:
     ]
 
 
-#: Families of values that may be wanted: "isi", "same_time", "fano", "chamfer", "kernel", "match" ...
+# #: Families of values: "isi", "same_time", "fano", "chamfer", "kernel", "match" ...
 FAMILIES = constants("TIDES_METRIC_")
 
 
 class MetricsOptions(Value, _api.tides_metrics_options):
-    """What is compared, and how: width, height, roi [px], start_ns, stop_ns, tick_ns, match_limit_s ..."""
+    """Options of a comparison: width, height, roi [px], start_ns, stop_ns, tick_ns, match_limit_s ..."""
 
     _defaults = "tides_metrics_options_defaults"
 
@@ -42,8 +42,9 @@ class MetricsOptions(Value, _api.tides_metrics_options):
 def compare(
     reference: Any, simulated: Any, wanted: Iterable[str] | None = None, progress: Progress = None, **options: Any
 ) -> Facts:
-    """Compares two streams (EVENT, each in order of time). `wanted` names FAMILIES (None: all but the slow and the exact ones);
-    `options` are the fields of MetricsOptions. Returns the fields of tides_metrics; what wasn't computed is NaN."""
+    """Compares two streams (EVENT, each in order of time). `wanted` names FAMILIES (None: all except the slow and the exact
+    ones); `options` are the fields of MetricsOptions. Returns the fields of tides_metrics; values that weren't computed are
+    NaN."""
     reference, simulated = as_events(reference), as_events(simulated)
     chosen = MetricsOptions(**options)
     if wanted is not None:
@@ -56,8 +57,8 @@ def compare(
 
 
 def match(reference: Any, simulated: Any, limit_s: float = 1e-3) -> Facts:
-    """Matches events one by one, for an exact reference: matched, missing, spurious, mismatch_percent, dt_median_us ... Events
-    further apart than `limit_s` [s] don't match."""
+    """Matches events one by one with an exact reference: matched, missing, spurious, mismatch_percent, dt_median_us ... Events
+    farther apart than `limit_s` [s] don't match."""
     reference, simulated = as_events(reference), as_events(simulated)
     made = _api.tides_match()
     call("tides_match_events", _records(reference), len(reference), _records(simulated), len(simulated), limit_s, made)
@@ -65,11 +66,11 @@ def match(reference: Any, simulated: Any, limit_s: float = 1e-3) -> Facts:
 
 
 class Blemishes(Facts):
-    """What of a recording isn't of its light. bursts (n x 2): [start, stop) [ns] of bursts that the readout of frames makes; hot
-    (n x 2): x, y of hot pixels; burst_events, hot_events: how many the recording has of each."""
+    """Events of a recording that its light didn't cause. bursts (n x 2): [start, stop) [ns] of bursts by the readout of
+    frames. hot (n x 2): x, y of hot pixels. burst_events, hot_events: their numbers of events."""
 
     def __init__(self, events: Any, width: int, height: int):
-        """Of a recording (EVENT, in order of time) of width x height px."""
+        """Finds the blemishes of a recording (EVENT, in order of time) of width x height px."""
         events, made = as_events(events), _api.tides_blemishes()
         call("tides_blemishes_find", _records(events), len(events), width, height, made)
         try:
@@ -79,7 +80,8 @@ class Blemishes(Facts):
             lib.tides_blemishes_free(byref(made))
 
     def leave_out(self, events: Any) -> np.ndarray:
-        """A copy of a stream, in order of time, without these: what is compared is to be treated alike."""
+        """A copy of a stream, in order of time, without events in these bursts and pixels: both streams of a comparison need
+        it."""
         kept, made = as_events(events).copy(), _api.tides_blemishes()
         bursts, hot = np.ascontiguousarray(self["bursts"], np.int64), np.ascontiguousarray(self["hot"], np.uint16)
         made.burst, made.bursts = pointer(bursts, c_int64), len(bursts)

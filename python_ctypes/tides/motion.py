@@ -1,4 +1,4 @@
-"""How Gaussians move by themselves: the motion models of dynamic splatting methods, and functions of one's own."""
+"""Motions of Gaussians by themselves: models of dynamic splatting methods, and functions of the user's."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ _DECODERS = constants("TIDES_DECODER_")
 
 
 def _floats(struct: Any, **arrays: tuple[Any, tuple[int | None, ...]]) -> list[np.ndarray]:
-    """Puts arrays (value, shape) into a struct's float pointers; returns them, to be kept until the call is over."""
+    """Puts arrays (value, shape) into a struct's float pointers. The caller must keep the returned arrays until the call is
+    over."""
     made = []
     for name, (value, shape) in arrays.items():
         if value is not None:
@@ -34,8 +35,8 @@ def _floats(struct: Any, **arrays: tuple[Any, tuple[int | None, ...]]) -> list[n
 
 
 def means(value: Any, shape: tuple[int | None, ...]) -> np.ndarray:
-    """Means as float32; as the float64 that they are given in where they are so far from 0 that rounding them would lose more
-    than a millionth of the middle half's width."""
+    """Means as float32. Float64 means stay float64 if they are so far from 0 that rounding would lose more than a millionth of
+    the middle half's width."""
     if getattr(value, "dtype", None) == np.float64:
         wide = array(value, np.float64, shape, "mean")
         rows = wide.reshape(-1, 3)
@@ -49,7 +50,7 @@ def means(value: Any, shape: tuple[int | None, ...]) -> np.ndarray:
 
 
 def give_means(struct: Any, mean: np.ndarray) -> None:
-    """Puts means into a struct's `mean` or `mean_double`; they must be kept until the call is over."""
+    """Puts means into a struct's `mean` or `mean_double`; the caller must keep them until the call is over."""
     if mean.dtype == np.float64:
         struct.mean_double = pointer(mean, c_double)
     else:
@@ -57,7 +58,7 @@ def give_means(struct: Any, mean: np.ndarray) -> None:
 
 
 class Motion(Handle):
-    """A motion of `count` Gaussians over its own clock. `Scene.add(gaussians, motion=...)` takes it over."""
+    """A motion of `count` Gaussians in its own time. `Scene.add(gaussians, motion=...)` takes it over."""
 
     _destroy = "tides_motion_destroy"
 
@@ -106,7 +107,7 @@ class Motion(Handle):
             decoder_second=(decoder_second, (3, 6)),
         )
         made = cls._make("polynomial", struct)
-        del arrays  # copied by now
+        del arrays  # C has copied them
         return made
 
     @classmethod
@@ -150,8 +151,8 @@ class Motion(Handle):
         catmull_rom: bool = False,
         plain_colour: bool = False,
     ) -> "Motion":
-        """Raw parameters at the rising times `time` (f, any unit), joined by a C2 cubic spline: mean (f x n x 3), quaternion
-        (f x n x 4), and where they change log_scale (f x n x 3), opacity_logit (f x n), sh (f x n x k x 3)."""
+        """Raw parameters at the increasing times `time` (f, any unit), joined by a C2 cubic spline: mean (f x n x 3),
+        quaternion (f x n x 4), and if they change log_scale (f x n x 3), opacity_logit (f x n), sh (f x n x k x 3)."""
         time = array(time, np.float64, (None,), "time")
         f, n = len(time), np.asarray(mean).shape[1]
         k = 1 if sh is None else np.asarray(sh).shape[2]
@@ -180,10 +181,10 @@ class Motion(Handle):
         sh_degree: int | None = None,
         time_scale: float = 0.0,
     ) -> "Motion":
-        """Any motion of `count` Gaussians: see MotionFunction. `sh_degree`: it moves spherical harmonics of that degree
-        too. `time_scale`: how long its clock runs while nothing happens that values and rates at the start, the middle
-        and the end don't show, about the shortest period; 0: one macro step of the run. What the function raises ends the call under way and comes out of it. Called in the thread that renders or
-        simulates."""
+        """Any motion of `count` Gaussians: see MotionFunction. `sh_degree`: it also moves spherical harmonics of that degree.
+        `time_scale`: in this time of the motion's clock, values and rates at start, middle and end must show all that
+        happens; it is about the shortest period. 0: one macro step of the run. An exception of the function ends the call
+        under way, and is raised from it. The function is called in the thread that renders or simulates."""
         coefficients = None if sh_degree is None else (sh_degree + 1) ** 2
         stop_value = _api.TIDES_CANCELLED
 
@@ -197,19 +198,19 @@ class Motion(Handle):
 
     @property
     def model(self) -> str:
-        """ "polynomial", "rotor", "keyframes", "callback"."""
+        """The kind of model: "polynomial", "rotor", "keyframes", "callback"."""
         return text(lib.tides_motion_model(self._pointer))
 
     @property
     def range(self) -> tuple[float, float]:
-        """First and last time of its own clock."""
+        """First and last time of the motion's own clock."""
         start, stop = c_double(), c_double()
         lib.tides_motion_range(self._pointer, byref(start), byref(stop))
         return start.value, stop.value
 
     @property
     def knots(self) -> int:
-        """Times at which rates may jump."""
+        """Number of times at which rates may jump."""
         return lib.tides_motion_knots(self._pointer)
 
     def moving(self, gaussians: Any) -> int:
@@ -218,7 +219,7 @@ class Motion(Handle):
 
 
 def _views(theta: Any, count: int, coefficients: int | None) -> SimpleNamespace:
-    """C's memory as arrays to write into; valid during the call."""
+    """C's memory as writable arrays, valid during the call."""
     shapes = {name: (count, *row) for name, row in _ROWS.items()}
     views = SimpleNamespace(sh=None, sh_dot=None)
     if coefficients is not None and theta.sh:

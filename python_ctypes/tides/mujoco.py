@@ -31,9 +31,9 @@ _FIXED = mujoco.mjtCamLight.mjCAMLIGHT_FIXED
 
 
 class Poses:
-    """Poses and velocities of an mjModel's bodies and cameras, in a scene's frame and units. `frame`: where that frame lies in
-    MuJoCo's world (position [m], quaternion wxyz). The simulation's own mjData is read, never changed: after mj_step its poses are
-    still those before the step, so that they are worked out in another one."""
+    """Poses and velocities of an mjModel's bodies and cameras, in a scene's frame and units. `frame`: the scene frame's pose
+    in MuJoCo's world (position [m], quaternion wxyz). The simulation's mjData is only read: after mj_step it still has the
+    poses before the step, so that new ones are computed in a copy."""
 
     def __init__(self, model: Any, data: Any, metres_per_unit: float, frame: tuple[Any, Any] = ((0, 0, 0), (1, 0, 0, 0))):
         if not metres_per_unit > 0:
@@ -44,7 +44,7 @@ class Poses:
         self.update()
 
     def update(self) -> None:
-        """To the state that the simulation is in."""
+        """Computes poses for the simulation's present state."""
         own, data = self._own, self.data
         own.qpos[:], own.qvel[:] = data.qpos, data.qvel
         own.mocap_pos[:], own.mocap_quat[:] = data.mocap_pos, data.mocap_quat
@@ -52,15 +52,16 @@ class Poses:
             stage(self.model, own)
 
     def body(self, name: str | int) -> tuple[Any, ...]:
-        """(position, quaternion, velocity, angular velocity) of a body's frame, as `Live` is told it."""
+        """(position, quaternion, velocity, angular velocity) of a body's frame, in the form that `Live` takes."""
         number = _number(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
-        # XBODY: a body's own frame. BODY would be the frame of its inertia, whose origin is its centre of mass.
+        # XBODY: a body's own frame. BODY: its frame of inertia, whose origin is the centre of mass.
         velocity = self._velocity(mujoco.mjtObj.mjOBJ_XBODY, number)
         return (*self._place(self._own.xpos[number], self._own.xmat[number]), *velocity)
 
     def camera(self, name: str | int) -> tuple[Any, ...]:
-        """The same of a camera, whose axes become OpenCV's: MuJoCo's look along -z, with y up. One that follows something (its
-        mode isn't "fixed") has no velocity in MuJoCo, and is told by position and quaternion alone."""
+        """Pose and velocities of a camera, in the form that `Live` takes, with OpenCV's axes: MuJoCo's cameras look along -z,
+        with y up. A camera that follows something (its mode isn't "fixed") has no velocity in MuJoCo, and gets none
+        here."""
         number = _number(self.model, mujoco.mjtObj.mjOBJ_CAMERA, name)
         position, quaternion = self._place(self._own.cam_xpos[number], self._own.cam_xmat[number])
         pose = position, camera_quaternion(quaternion, "opengl")
@@ -73,16 +74,16 @@ class Poses:
         return there, _quaternion(self._turn @ np.reshape(matrix, (3, 3)))
 
     def _velocity(self, kind: Any, number: int) -> tuple[Any, Any]:
-        both = np.empty(6)  # angular [rad/s], linear [m/s], in the world's axes
+        both = np.empty(6)  # angular [rad/s], then linear [m/s], in world axes
         mujoco.mj_objectVelocity(self.model, self._own, kind, number, both, 0)
         return self._turn @ both[3:] / self.metres_per_unit, self._turn @ both[:3]
 
 
 class Loop:
-    """A `Live` run beside a simulation, their clocks in step: run time is the run's time.start where the simulation is now.
-    `camera`: the mjModel's that the run sees by (None: the run's own path); `bodies`: {object of the scene: body}.
-    `metres_per_unit`: what a unit of the scene is; None: as scene.metres_per_unit says. `frame` as in `Poses`; `how` is passed to
-    Live: device, keep, stop, max_speed ... `live` is that run; where keep=True, live.path() has all that was told."""
+    """A `Live` run beside a simulation, with equal clocks: the run's time.start is the simulation's present time. `camera`:
+    the mjModel's camera for the run (None: the run's own path); `bodies`: {object of the scene: body}. `metres_per_unit`:
+    length of a scene unit; None: scene.metres_per_unit. `frame`: as in `Poses`. `how` is passed to Live: device, keep,
+    stop, max_speed ... `live` is that run; with keep=True live.path() has the whole path."""
 
     def __init__(
         self,
@@ -117,8 +118,8 @@ class Loop:
         return pose, {name: self.poses.body(body) for name, body in self._bodies.items()}
 
     def step(self) -> np.ndarray:
-        """The events up to the simulation's time, as EVENT (n). Call it after each mj_step, or after several of them, which then
-        are one step of the run. ValueError where the simulation's clock stood still or went back, as mj_resetData has it."""
+        """The events up to the simulation's time, as EVENT (n). Call it after each mj_step, or after several, which are then
+        one step of the run. ValueError if the simulation's clock stood still or went back, as by mj_resetData."""
         ahead = float(self.poses.data.time) - self._began - (self.live.time - self._start)
         if not ahead > 0:
             raise ValueError(
@@ -140,7 +141,7 @@ class Loop:
 
 
 def intrinsics(model: Any, camera: str | int, width: int | None = None, height: int | None = None) -> Intrinsics:
-    """A camera's lens: by its fovy, or its sensorsize and focal length where the model has them; in its own resolution, or in
+    """A camera's lens: from its fovy, or from sensorsize and focal length if the model has them; in its own resolution, or in
     width x height [px]."""
     number = _number(model, mujoco.mjtObj.mjOBJ_CAMERA, camera)
     own = model.cam_resolution[number]
@@ -148,7 +149,7 @@ def intrinsics(model: Any, camera: str | int, width: int | None = None, height: 
     if width is None and height is None and w == h == 1:
         raise ValueError(f"camera {camera!r}: the model gives it no resolution; say width and height")
     sensor, (fx, fy, cx, cy) = model.cam_sensorsize[number], model.cam_intrinsic[number]
-    if sensor[1] > 0:  # lengths on the sensor [m], all of which is seen: an image of another shape is stretched
+    if sensor[1] > 0:  # lengths on the sensor [m]; all of it is seen: an image of another shape is stretched
         across, down = w / sensor[0], h / sensor[1]
         return Intrinsics(width=w, height=h, fx=fx * across, fy=fy * down, cx=w / 2 - cx * across, cy=h / 2 - cy * down)
     focal = 0.5 * h / np.tan(0.5 * np.radians(model.cam_fovy[number]))
@@ -158,7 +159,7 @@ def intrinsics(model: Any, camera: str | int, width: int | None = None, height: 
 def write_camera(
     file: str | os.PathLike[str], poses: Poses, camera: str | int, width: int | None = None, height: int | None = None
 ) -> None:
-    """A path file for a run's camera.file: the camera where it is now, with its lens."""
+    """Writes a path file for a run's camera.file: the camera's present pose, with its lens."""
     position, quaternion = poses.camera(camera)[:2]
     Camera(Trajectory.static(position, quaternion), intrinsics(poses.model, camera, width, height)).save(file)
 

@@ -1,4 +1,4 @@
-"""Names that people write: which one was meant (`tides/base.h`)."""
+"""Finds the known name that a misspelt one stands for."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ._library import lib
 
 
 def nearest_name(name: str, names: Iterable[str]) -> str | None:
-    """The one of `names` that a misspelt or abbreviated `name` was probably meant to be; None where none is near.
+    """The one of `names` that a misspelt or abbreviated `name` probably means; None if none is near.
 
-    It is what the library's own errors suggest: `nearest_name("treshold_on", ["threshold_on", "seed"])` is "threshold_on".
+    The library's errors suggest it: `nearest_name("treshold_on", ["threshold_on", "seed"])` is "threshold_on".
     """
     texts = [one.encode() for one in names]
     near = lib.tides_nearest_name(name.encode(), (c_char_p * (len(texts) + 1))(*texts, None))

@@ -1,4 +1,4 @@
-"""Events as a page to look at: one HTML file, in a notebook or in any browser."""
+"""Events as an interactive page: one HTML file, in a notebook or in any browser."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from .render import EVENT_TRUTH
 
 
 class PageOptions(Value, _api.tides_page_options):
-    """width, height [px] (0: of the file or the events); start_ns, stop_ns; window_ns, the window of time at first; most, events
-    at most; title; format of a file that is read."""
+    """Options of a page: width, height [px] (0: of the file or the events); start_ns, stop_ns; window_ns, the initial window
+    of time; most, greatest number of events; title; format of the event file."""
 
     _defaults = "tides_page_options_defaults"
 
@@ -38,8 +38,8 @@ def write_page(
     file: str | os.PathLike[str], events: Any, truth: Any = None, progress: Progress = None, **options: Any
 ) -> Facts:
     """Writes the page of an event file (its path) or of events (n) in order of time, with their EVENT_TRUTH (n) or None.
-    `options` are the fields of PageOptions. Returns events, start_ns, stop_ns, width, height, truth, ended: 1 where there were
-    more events than `most`."""
+    `options` are the fields of PageOptions. Returns events, start_ns, stop_ns, width, height, truth, ended (1: there were
+    more events than `most`)."""
     chosen, report = PageOptions(**options), _api.tides_page_report()
     if isinstance(events, (str, os.PathLike)):
         with Reporter(progress) as step:
@@ -53,8 +53,7 @@ def write_page(
 
 
 class Shown:
-    """A page that was written: a notebook shows it, everywhere else `path` is to be opened in a browser. `facts` as write_page
-    returns them."""
+    """A page that was written. A notebook shows it; otherwise open `path` in a browser. `facts` are those of write_page."""
 
     def __init__(self, file: Path, facts: Facts, height: int):
         self.path, self.facts, self._height = file, facts, height
@@ -70,9 +69,9 @@ class Shown:
 def show(
     events: Any, file: str | os.PathLike[str] | None = None, truth: Any = None, height: int = 640, **options: Any
 ) -> Shown:
-    """Events (n), or an event file's path, as a page to turn, to drag through and to play. The page is `file`, or a new one among
-    the system's temporary files, which goes when Python ends. `height` [px] is a notebook's; `options` as in write_page, but that without `most` 2 million
-    events are shown, which a notebook still keeps."""
+    """Shows events (n), or an event file's path, as an interactive page. The page is `file`, or a temporary file that is
+    removed when Python ends. `height` [px] is for notebooks. `options` are those of write_page, with `most` 2 million by
+    default, which a notebook can keep."""
     if file is None:
         handle, file = tempfile.mkstemp(".html", "tides-")
         os.close(handle)

@@ -1,4 +1,4 @@
-"""Sensor presets for those who write no run file: the values that `sensor.preset` gives there."""
+"""Sensor presets without a run file: the values that `sensor.preset` sets there."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._library import lib
 
 
 def preset_names() -> list[str]:
-    """The presets that come with the library: "davis346", "imx636" ...; what `Sensor(preset=...)` and sensor.preset take."""
+    """The library's presets: "davis346", "imx636" ...; names for `Sensor(preset=...)` and sensor.preset."""
     names, name = [], create_string_buffer(_api.TIDES_PRESET_NAME)
     while lib.tides_preset_at(len(names), name):
         names.append(name.value.decode())
@@ -21,8 +21,8 @@ def preset_names() -> list[str]:
 
 
 def preset(name: str) -> dict[str, Any]:
-    """What a preset holds, by its name: the library's, or one's own of ~/.config/tides/presets: about, and the groups sensor,
-    frontend, readout, whose values may be {"value": value, "source": text}. errors.NotFound where there is none."""
+    """A preset's content by its name, the library's or one of ~/.config/tides/presets: about, and the groups sensor, frontend,
+    readout, whose values may be {"value": value, "source": text}. errors.NotFound if there is none."""
     made = c_char_p()
     call("tides_preset_read", encoded(name), byref(made))
     try:
@@ -32,9 +32,9 @@ def preset(name: str) -> dict[str, Any]:
 
 
 def fill(value: Any, group: str, preset: str | os.PathLike[str]) -> None:
-    """Sets a struct to what a run file's `group` holds with a preset: a name of share/presets, or the path of a .json file.
-    BadConfig names those there are. The library reads them for run files alone, so it reads one: its scene and camera are
-    names that nobody opens."""
+    """Sets a struct to a run file's `group` with a preset: a name of share/presets, or the path of a .json file. BadConfig
+    lists those that exist. The library applies presets only to run files, so one is read here; its scene and camera are
+    never opened."""
     name = os.path.abspath(preset) if os.fspath(preset).endswith(".json") else os.fspath(preset)
     words = {"scene": {"file": "-"}, "camera": {"file": "-"}, "time": {"start": 0, "stop": 1}, "sensor": {"preset": name}}
     run, values = POINTER(_api.tides_run)(), _api.tides_run_values()

@@ -1,4 +1,4 @@
-"""The readout: a bus that carries only so many events at a time."""
+"""The readout: a bus with a limited rate of events."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .events import EVENT, _records, as_events
 
 
 class Readout(Value, _api.tides_readout):
-    """The readout. `preset` ("gen4", or a .json file like share/presets') gives the fields that aren't given.
-    kind ("tiles", "rows", "bottleneck", "requested", "scanned"), tile_px, k0 [events per tick], tick_s, beta_k, p0, eta, sigma0_s, gamma_sigma_s,
-    queue_capacity, jitter_law ("gaussian", "delay"); row_s, event_s, stamp ("event", "row"), frame_s."""
+    """The readout. `preset` ("gen4", or a .json file like share/presets') sets the fields that aren't given. kind ("tiles",
+    "rows", "bottleneck", "requested", "scanned"), tile_px, k0 [events per tick], tick_s, beta_k, p0, eta, sigma0_s,
+    gamma_sigma_s, queue_capacity, jitter_law ("gaussian", "delay"); row_s, event_s, stamp ("event", "row"), frame_s."""
 
     _defaults = "tides_readout_defaults"
     _words = {"kind": "TIDES_READOUT_", "jitter_law": "TIDES_JITTER_", "stamp": "TIDES_STAMP_"}
@@ -26,8 +26,8 @@ class Readout(Value, _api.tides_readout):
 
 
 class Arbiter(Handle):
-    """A readout of width x height px. `push` takes sorted events and gives what has left by then; `finish` gives the rest.
-    Nothing leaves before `start` [ns]; None: jitter may take events anywhere."""
+    """A readout of width x height px. `push` takes sorted events and returns events that have left; `finish` returns the rest.
+    No event leaves before `start` [ns]; None: jitter may move events to any time."""
 
     _destroy = "tides_arbiter_destroy"
 
@@ -57,25 +57,25 @@ class Arbiter(Handle):
         return self._collect("tides_arbiter_push", _records(events), len(events))
 
     def finish(self) -> tuple[np.ndarray, np.ndarray]:
-        """All that still waited, EVENT (n), as `push` gives it."""
+        """Returns all events that still waited, EVENT (n), and when [ns] each fired."""
         return self._collect("tides_arbiter_finish")
 
     @property
     def tiles(self) -> tuple[int, int]:
-        """Tiles down and across."""
+        """Number of tiles down and across."""
         across, down = c_int32(), c_int32()
         lib.tides_arbiter_tiles(self._pointer, byref(across), byref(down))
         return down.value, across.value
 
     def set_activity(self, psi: Any) -> None:
-        """psi of every tile (down x across), in [0, 1], for events pushed from now on."""
+        """Sets the activity psi of every tile (down x across), in [0, 1], for events pushed from now on."""
         psi = array(psi, np.float64, self.tiles, "psi")
         with self._lock:
             call("tides_arbiter_activity", self._pointer, pointer(psi, c_double))
 
     @property
     def stats(self) -> Facts:
-        """in, out, dropped, overflowed, waiting, delayed, ticks, worst_delay_s."""
+        """Numbers of events in, out, dropped, overflowed, waiting, delayed; ticks, worst_delay_s."""
         stats = _api.tides_readout_stats()
         lib.tides_arbiter_stats(self._pointer, byref(stats))
         return plain(stats)

@@ -28,10 +28,10 @@ TRUTHS = tuple(text(lib.tides_truth_name(index)) for index in range(_api.TIDES_T
 
 #: Material points (Renderer.pick): the scene's object (-1: none), its Gaussian, and standard deviations along its axes.
 MATERIAL_POINT = np.dtype([("object", "i4"), ("reserved", "i4"), ("gaussian", "i8"), ("xi", "f8", 3)])
-#: Where one is (Renderer.follow): u, v [px], depth [scene units], and whether it is seen.
+# #: Places of material points in the image (Renderer.follow): u, v [px], depth [scene units], and whether it is visible.
 TRACK = np.dtype([("u", "f8"), ("v", "f8"), ("depth", "f8"), ("visible", "i4"), ("reserved", "i4")])
 
-#: What an event's pixel saw when it fired (Renderer.event_truth).
+# #: Ground truth at an event's pixel when it fired (Renderer.event_truth).
 EVENT_TRUTH = np.dtype(
     [(name, "f8") for name in ("flow_u", "flow_v", "depth", "alpha")] + [("instance", "i4"), ("reserved", "i4")]
 )
@@ -46,8 +46,8 @@ class ImageParams(Value, _api.tides_image_params):
 
 
 def colour_filter(name: str, height: int, width: int) -> np.ndarray:
-    """What each pixel sees through sensor.colour_filter `name` ("rggb", ...): (height x width) uint8, 0 red, 1 green, 2 blue.
-    An event's is colour_filter(...)[y, x]."""
+    """Colours that pixels see through sensor.colour_filter `name` ("rggb", ...): (height x width) uint8, 0 red, 1 green, 2
+    blue. That of an event is colour_filter(...)[y, x]."""
     number = choice("colour filter", name, constants("TIDES_FILTER_"))
     cell = [[lib.tides_colour_filter_channel(number, x, y) for x in (0, 1)] for y in (0, 1)]
     if cell[0][0] < 0:
@@ -56,8 +56,7 @@ def colour_filter(name: str, height: int, width: int) -> np.ndarray:
 
 
 class Renderer(Handle):
-    """Renders `scene` through `camera`. Closing it frees its memory on the device. Kernels are built the first time
-    (seconds)."""
+    """Renders `scene` through `camera`. Closing it frees its memory on the device. The first use builds kernels (seconds)."""
 
     _destroy = "tides_renderer_destroy"
 
@@ -86,14 +85,14 @@ class Renderer(Handle):
         return renderer
 
     def set_psf(self, sigma_px: float, domain: str | int = "log") -> None:
-        """Blurs L and L_dot of later frames by a Gaussian of `sigma_px` [px] (0: not), "log" or "linear": after the
+        """Blurs L and L_dot of later frames by a Gaussian of `sigma_px` [px] (0: no blur), "log" or "linear": after the
         logarithm or before it."""
         with self._lock:
             call("tides_renderer_set_psf", self._pointer, sigma_px, choice("domain", domain, constants("TIDES_PSF_")))
 
     @contextmanager
     def _telling(self, progress: Progress) -> Iterator[None]:
-        """Renders within it: `progress` is told, and Ctrl-C heard, before each launch on the device."""
+        """Renders within this context report to `progress`, and stop on Ctrl-C, before each launch on the device."""
         with self._lock, Reporter(progress) as step:
             call("tides_renderer_set_progress", self._pointer, step, None)
             try:
@@ -108,8 +107,8 @@ class Renderer(Handle):
         trajectory: Trajectory | None = None,
         progress: Progress = None,
     ) -> dict[str, np.ndarray]:
-        """One frame at `time` [s]: float64 planes (height x width), row 0 on top, by the names in CHANNELS. Colour and
-        depth cost; the rest comes with the pass. `trajectory` replaces the camera's path."""
+        """One frame at `time` [s]: float64 planes (height x width), row 0 on top, by the names in CHANNELS. Colour and depth
+        take additional time. `trajectory` replaces the camera's path."""
         frame = _api.tides_frame()
         planes = self._planes("channels", channels, CHANNELS, frame)
         path = self._path(trajectory)
@@ -124,8 +123,8 @@ class Renderer(Handle):
         trajectory: Trajectory | None = None,
         progress: Progress = None,
     ) -> tuple[np.ndarray, Facts]:
-        """Mean linear light of an exposed frame at `time` [s], the middle of its exposure: float64 (height x width), or
-        (3 x height x width) with exposure.colour; and what it took: error, renders, unsettled."""
+        """Mean linear light of an exposed frame at `time` [s], the middle of its exposure: float64 (height x width), or (3 x
+        height x width) with exposure.colour. Also error, renders, unsettled."""
         how, lens = exposure or Exposure(), self.camera.intrinsics
         light = np.empty(((3,) if how.planes == 3 else ()) + (lens.height, lens.width))
         done, path = _api.tides_exposed(), self._path(trajectory)
@@ -152,8 +151,9 @@ class Renderer(Handle):
         return made
 
     def displacement(self, start: float, stop: float, trajectory: Trajectory | None = None) -> dict[str, np.ndarray]:
-        """Where what each pixel shows at `start` is at `stop`, earlier or later [s]: "u" and "v" [px], NaN where no point is
-        seen, and "visible", True where it is seen then too. Optical flow, a velocity, is truth()'s."""
+        """The displacement from `start` to `stop`, earlier or later [s], of what each pixel shows at `start`: "u" and "v"
+        [px], NaN where no point is seen, and "visible", True if the point is seen at `stop` too. truth() has optical flow,
+        a velocity."""
         lens = self.camera.intrinsics
         planes = [np.empty((lens.height, lens.width)) for _ in range(3)]
         path = self._path(trajectory)
@@ -163,7 +163,8 @@ class Renderer(Handle):
         return {"u": planes[0], "v": planes[1], "visible": planes[2] > 0}
 
     def pick(self, time: float, places: Any, trajectory: Trajectory | None = None) -> np.ndarray:
-        """The points (MATERIAL_POINT) that `places` (count x 2) [px] show at `time` [s]; the first pixel's centre is (0.5, 0.5)."""
+        """The points (MATERIAL_POINT) that are seen at `places` (count x 2) [px] at `time` [s]; the first pixel's centre is
+        (0.5, 0.5)."""
         xy = array(places, np.float64, (None, 2), "places")
         points = np.zeros(len(xy), MATERIAL_POINT)
         path = self._path(trajectory)
@@ -175,7 +176,8 @@ class Renderer(Handle):
     def choose(
         self, time: float, count: int, seed: int = 0, number: int = 0, trajectory: Trajectory | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Up to `count` places (n x 2) [px] where something is seen at `time` [s], drawn by seed and number, and their points."""
+        """Up to `count` places (n x 2) [px] where something is seen at `time` [s], drawn at random by seed and number, and
+        their points."""
         xy, points, chosen = np.zeros((count, 2)), np.zeros(count, MATERIAL_POINT), c_size_t()
         path = self._path(trajectory)
         made = pointer(points, _api.tides_material_point)
@@ -187,7 +189,7 @@ class Renderer(Handle):
         return xy[: chosen.value], points[: chosen.value]
 
     def follow(self, time: float, points: Any, trajectory: Trajectory | None = None) -> np.ndarray:
-        """Where points are at `time` [s] (TRACK)."""
+        """The places of points in the image at `time` [s] (TRACK)."""
         points = array(points, MATERIAL_POINT, (None,), "points")
         tracks = np.zeros(len(points), TRACK)
         path = self._path(trajectory)
@@ -200,8 +202,8 @@ class Renderer(Handle):
         return tracks
 
     def event_truth(self, events: Any, fired: Any = None, trajectory: Trajectory | None = None) -> np.ndarray:
-        """What each event's pixel saw when it fired (`fired` [ns]; None: at its t): an array with the fields flow_u, flow_v
-        [px/s], depth [scene units], alpha, instance."""
+        """Ground truth at each event's pixel when it fired (`fired` [ns]; None: at its t): an array with the fields flow_u,
+        flow_v [px/s], depth [scene units], alpha, instance."""
         events = as_events(events)
         times = None if fired is None else array(fired, np.int64, (len(events),), "fired")
         truth = np.zeros(len(events), EVENT_TRUTH)
@@ -219,7 +221,7 @@ class Renderer(Handle):
         return self.camera.trajectory if trajectory is None else instance(trajectory, Trajectory, "trajectory")
 
     def _planes(self, argument: str, names: Iterable[str], known: tuple[str, ...], struct: Any) -> dict[str, np.ndarray]:
-        """Empty planes for the names, and their addresses in the struct."""
+        """Makes empty planes for the names, and puts their addresses into the struct."""
         lens, planes = self.camera.intrinsics, {}
         for name in names:
             if name not in known:
@@ -230,7 +232,7 @@ class Renderer(Handle):
 
     @property
     def stats(self) -> Facts:
-        """What was done so far: tile_jobs, pairs_evaluated, time_composite_s ..."""
+        """Statistics so far: tile_jobs, pairs_evaluated, time_composite_s ..."""
         stats = _api.tides_render_stats()
         with self._lock:
             lib.tides_renderer_stats(self._pointer, byref(stats))

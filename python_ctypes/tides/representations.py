@@ -1,4 +1,4 @@
-"""Events as dense float64 arrays (planes x height x width), the way that networks take them."""
+"""Events as dense float64 arrays (planes x height x width), the input of networks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ _STYLES = constants("TIDES_VOXEL_")
 
 
 class VoxelOptions(Value, _api.tides_voxel_options):
-    """bins, normalise ("none", "population", "sample"), start_ns, stop_ns; VoxelOptions.of("dsec") has a style's."""
+    """Options of a voxel grid: bins, normalise ("none", "population", "sample"), start_ns, stop_ns; VoxelOptions.of("dsec")
+    has a style's."""
 
     _words = {"normalise": "TIDES_NORMALISE_"}
 
@@ -57,7 +58,7 @@ def time_surface(events: Any, width: int, height: int, time_ns: int, decay_s: fl
 
 class ArrayWriter(Handle):
     """A file of arrays of one shape (planes x height x width), stored as float32: .npy, .npz, .h5 (windows x planes x height x
-    width), or .exr (one window). In a with statement the file is finished at the end, and removed where an exception ends it.
+    width), or .exr (one window). In a with statement the file is finished at the end, and removed after an exception.
     """
 
     _destroy = "tides_array_writer_abandon"
@@ -65,7 +66,7 @@ class ArrayWriter(Handle):
     def __init__(
         self, file: str | os.PathLike[str], shape: tuple[int, int, int], name: str = "array", plane_names: Any = None
     ):
-        """`name` is the dataset's, `plane_names` those of an EXR file's channels. A file that an open EventReader reads is
+        """`name` is the dataset's, `plane_names` are those of an EXR file's channels. A file that an open EventReader reads is
         refused."""
         check_unread(file)
         made = POINTER(_api.tides_array_writer)()
@@ -78,13 +79,13 @@ class ArrayWriter(Handle):
         self._shape = tuple(shape)
 
     def append(self, values: Any, start_ns: int, stop_ns: int, events: int) -> None:
-        """The array of a window from `start_ns` to `stop_ns`, made of so many `events`."""
+        """Adds the array of a window from `start_ns` to `stop_ns`, made of `events` events."""
         values = array(values, np.float64, self._shape, "values")
         with self._lock:
             call("tides_array_writer_append", self._pointer, pointer(values, c_double), start_ns, stop_ns, events)
 
     def finish(self) -> None:
-        """Completes the file; the writer is closed then."""
+        """Completes the file, and closes the writer."""
         with self._lock:
             held = self._pointer
             self._give_away()

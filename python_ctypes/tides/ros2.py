@@ -11,7 +11,9 @@ it measures latency and rate.
 from __future__ import annotations
 
 import argparse
+import math
 import os
+import re
 import sys
 import tempfile
 import time
@@ -20,7 +22,7 @@ from typing import Any, Iterable
 import numpy as np
 
 try:
-    from cyclonedds.core import InstanceState, Policy, Qos, ReadCondition, SampleState, ViewState, WaitSet
+    from cyclonedds.core import DDSException, InstanceState, Policy, Qos, ReadCondition, SampleState, ViewState, WaitSet
     from cyclonedds.domain import Domain, DomainParticipant
     from cyclonedds.pub import DataWriter
     from cyclonedds.sub import DataReader
@@ -31,7 +33,7 @@ except ImportError as missing:
 
 from . import ros2_messages as messages
 from ._warn import warn
-from .errors import TidesError
+from .errors import BadArgument, OutOfRange, TidesError
 from .events import EVENT
 from .image import picture_rgb
 from .live import Live, camera_quaternion
@@ -41,16 +43,17 @@ from .trajectory import Trajectory
 _SECOND = 1_000_000_000
 DEPTH = 10  # ROS' default: so many messages are kept
 PERIOD_S = 0.01  # of packets, along the run's own path
+GAP_S = 60.0  # between poses, at most: clocks that disagree would ask for years of events
 POSE, TWIST = "geometry_msgs::msg::dds_::PoseStamped_", "geometry_msgs::msg::dds_::TwistStamped_"
 
-#: Cyclone's settings for a run that nobody outside this machine hears.
+# #: Cyclone's settings for runs that only this machine receives.
 LOOPBACK = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
 <AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>30
 </MaxAutoParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
 
 
 def qos(depth: int = DEPTH) -> Any:
-    """ROS 2's default: reliable, volatile, the last `depth`; XCDR1."""
+    """ROS 2's default quality of service: reliable, volatile, the last `depth` messages; XCDR1."""
     return Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.Durability.Volatile,
@@ -59,19 +62,29 @@ def qos(depth: int = DEPTH) -> Any:
     )
 
 
+def _domain_of(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise ValueError(f"ROS_DOMAIN_ID={text}: a number from 0 to 232 is needed") from None
+
+
 class Bus:
-    """A participant in a ROS domain (None: ROS_DOMAIN_ID, else 0). `loopback`: on this machine alone (None: as
+    """A participant in a ROS domain (None: ROS_DOMAIN_ID, else 0). `loopback`: only on this machine (None: as
     ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE says)."""
 
     def __init__(self, domain: int | None = None, loopback: bool | None = None):
-        number = int(os.environ.get("ROS_DOMAIN_ID", 0)) if domain is None else domain
+        number = _domain_of(os.environ.get("ROS_DOMAIN_ID") or "0") if domain is None else domain
         if not 0 <= number <= 232:
             raise ValueError(f"domain: {number}, where ROS has 0 to 232")
         if loopback is None:
             reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "")
             loopback = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or reach.upper() == "LOCALHOST"
-        self._domain = Domain(number, LOOPBACK) if loopback else None
-        self.participant = DomainParticipant(number)
+        try:
+            self._domain = Domain(number, LOOPBACK) if loopback else None
+            self.participant = DomainParticipant(number)
+        except DDSException as error:
+            raise OSError(f"domain {number} can't be joined: {error}; a process joins one once, and 30 do so over the loopback") from None
 
     def writer(self, topic: str, kind: Any, depth: int = DEPTH) -> Any:
         return DataWriter(self.participant, Topic(self.participant, f"rt/{topic}", kind, qos=qos(depth)), qos=qos(depth))
@@ -81,8 +94,9 @@ class Bus:
 
 
 class Node:
-    """What a run sends, below `name`: events, image_raw with camera_info, imu; and /clock. `step` is given events with the run's
-    time; `shift_ns` is added to the run's time for ROS' clock. `frame`: the frame_id of all. `image_hz` 0: no pictures."""
+    """Publishes a run's messages below `name`: events, image_raw with camera_info, imu; and /clock. `step` takes events and
+    the run's time. `shift_ns` is added to the run's time for ROS' clock. `frame`: the frame_id of all messages. `image_hz`
+    0: no pictures."""
 
     def __init__(
         self,
@@ -104,11 +118,11 @@ class Node:
         self._sequence, self._picture_s, self._next_s = 0, 1 / image_hz if image_hz else 0.0, session.values.start
 
     def header(self, ns: int) -> Any:
-        """Of the run's time `ns`."""
+        """The header of a message at the run's time `ns`."""
         return messages.header(ns + self.shift_ns, self.frame)
 
     def events(self, events: np.ndarray, ns: int) -> None:
-        """One packet, of what fired up to `ns`; none where nothing did."""
+        """Publishes one packet of the events up to `ns`; none if there were no events."""
         if self._clock:
             self._clock.write(messages.Clock(messages.stamp(ns + self.shift_ns)))
         if not len(events):
@@ -122,7 +136,7 @@ class Node:
         self._events.write(packet)
 
     def pictures(self, until: float, path: Trajectory) -> None:
-        """The pictures that are due up to `until` [s], along `path`, each with the lens."""
+        """Publishes the pictures that are due up to `until` [s], along `path`, each with the lens."""
         while self._renderer and self._next_s <= until + 1e-9:
             frame = self._renderer.frame(self._next_s, "RGB", path)
             rgb = picture_rgb(frame["R"], frame["G"], frame["B"])
@@ -133,13 +147,13 @@ class Node:
             self._next_s += self._picture_s
 
     def imu(self, time: float, rate: Any, force: Any) -> None:
-        """Angular rate (3) [rad/s] and specific force (3) [m/s^2] at `time` [s]."""
+        """Publishes angular rate (3) [rad/s] and specific force (3) [m/s^2] at `time` [s]."""
         self._imu.write(messages.imu(self.header(round(_SECOND * time)), rate, force))
 
 
 def play(node: Node, speed: float = 1.0, period_s: float = PERIOD_S) -> int:
-    """The session's run along its own path: a packet each `period_s`, at `speed` times real time (0: as fast as it goes). The number
-    of events."""
+    """Publishes the session's run along its own path: a packet each `period_s`, at `speed` times real time (0: as fast as
+    possible). Returns the number of events."""
     session = node.session
     start, stop, path = session.values.start, session.values.stop, session.camera.trajectory
     inertial = _inertial(session)
@@ -159,7 +173,8 @@ def play(node: Node, speed: float = 1.0, period_s: float = PERIOD_S) -> int:
 
 
 def _inertial(session: Session) -> list[tuple[float, Any, Any]]:
-    """What `tides imu` writes of the run, the last sample first; nothing where the path has no acceleration, or the scene no unit."""
+    """The run's measurements by `tides imu`, the last sample first; none if the path has no acceleration, or the scene no
+    unit."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             session.write_imu(os.path.join(folder, "imu.npz"))
@@ -173,11 +188,12 @@ def _inertial(session: Session) -> list[tuple[float, Any, Any]]:
 class Follower:
     """A live run whose camera is where PoseStamped messages say, and with `twists` as fast as the TwistStamped of the same stamp says, in
     world axes. `axes`: which way the frame looks that is told, a key of CAMERA_AXES. The first pose is where the run begins; its
-    stamp is the run's time.start, and events have stamps of the same clock."""
+    stamp is the run's time.start, and events have stamps of the same clock. A pose that can't be, or is more than `gap_s` after the one
+    before, is left out with a warning."""
 
-    def __init__(self, node: Node, twists: bool = False, axes: str = "opencv", **how: Any):
+    def __init__(self, node: Node, twists: bool = False, axes: str = "opencv", gap_s: float = GAP_S, **how: Any):
         camera_quaternion((1, 0, 0, 0), axes)  # refuses a name that isn't one
-        self.node, self.axes, self._twisted = node, axes, twists
+        self.node, self.axes, self.gap_s, self._twisted = node, axes, gap_s, twists
         self.live = Live(node.session, **how)
         self._poses = node.bus.reader(f"{node.name}/pose", messages.PoseStamped)
         self._twists = node.bus.reader(f"{node.name}/twist", messages.TwistStamped) if twists else None
@@ -189,7 +205,7 @@ class Follower:
             self._wait.attach(ReadCondition(reader, mask))
 
     def spin(self, timeout_s: float) -> int:
-        """Waits at most so long for messages, and steps to each pose that is complete. How many events there were."""
+        """Waits at most `timeout_s` for messages, and steps to each complete pose. Returns the number of events."""
         self._wait.wait(duration(seconds=timeout_s))
         poses, twists = self._waiting
         for reader, kept in ((self._poses, poses), (self._twists, twists)):
@@ -200,7 +216,7 @@ class Follower:
         for ns in sorted(poses):
             if self._twisted and ns not in twists:
                 if not any(later > ns for later in twists):
-                    break  # its twist is on the way
+                    break  # its twist hasn't arrived
                 warn(f"pose at {ns / _SECOND:.9g} s: no twist has its stamp; it is left out")
                 del poses[ns]
                 continue
@@ -218,19 +234,31 @@ class Follower:
         if twist:
             v, w = twist.twist.linear, twist.twist.angular
             told = (*told, (v.x, v.y, v.z), (w.x, w.y, w.z))
-        if self._first is None:
-            self._first = ns
-            self.node.shift_ns = ns - round(_SECOND * self.live.time)
-            self.live.tell(told, self.live.time)
+        try:
+            events = self._tell(ns, told)
+        except OutOfRange:  # the scene's motion ends, and so does the run
+            raise
+        except (BadArgument, ValueError) as error:  # then nothing was told: NaN, no rotation, half a turn, a jump
+            warn(f"pose at {ns / _SECOND:.9g} s is left out: {error}")
+            events = None
+        if events is None:
             return 0
-        ahead = self.node.session.values.start + (ns - self._first) / _SECOND - self.live.time
-        if ahead <= 0:
-            warn(f"pose at {ns / _SECOND:.9g} s: the run is past it; it is left out")
-            return 0
-        events = self.live.step(told, ahead)
         self.node.pictures(self.live.time, Trajectory.static(told[0], told[1]))
         self.node.events(events, round(_SECOND * self.live.time))
         return len(events)
+
+    def _tell(self, ns: int, told: tuple[Any, ...]) -> np.ndarray | None:
+        """The events up to a pose; None of the first, which is where the run begins, and of one that is left out."""
+        if self._first is None:
+            self.live.tell(told, self.live.time)
+            self._first, self.node.shift_ns = ns, ns - round(_SECOND * self.live.time)
+            return None
+        ahead = self.node.session.values.start + (ns - self._first) / _SECOND - self.live.time
+        if ahead <= 0:
+            raise ValueError("the run is past it")
+        if ahead > self.gap_s:
+            raise ValueError(f"it is {ahead:.3g} s after the one before, and at most {self.gap_s:g} s are run (--gap)")
+        return self.live.step(told, ahead)
 
     def close(self) -> None:
         self.live.close()
@@ -251,6 +279,7 @@ def options() -> argparse.ArgumentParser:
     made.add_argument("--poses", action="store_true", help="the camera is where NAME/pose says (PoseStamped)")
     made.add_argument("--twists", action="store_true", help="and as fast as NAME/twist says (TwistStamped of the same stamp)")
     made.add_argument("--axes", default="opencv", help="of the poses' frame: opencv, opengl or robot (opencv)")
+    made.add_argument("--gap", type=float, default=GAP_S, metavar="S", help=f"with --poses: leave later ones out ({GAP_S:g})")
     made.add_argument("--silence", type=float, metavar="S", help="with --poses: end where none comes for so long (never)")
     made.add_argument("--no-clock", action="store_true", help="no /clock; with --poses there is none anyway")
     made.add_argument("--domain", type=int, help="ROS domain (ROS_DOMAIN_ID, else 0)")
@@ -261,7 +290,7 @@ def options() -> argparse.ArgumentParser:
 
 
 def follow(follower: Follower, silence_s: float | None) -> int:
-    """Until no pose came for so long."""
+    """Follows poses until none came for `silence_s`."""
     count, heard = 0, time.monotonic()
     while silence_s is None or time.monotonic() - heard < silence_s:
         before = follower.live.time, follower._first
@@ -271,7 +300,20 @@ def follow(follower: Follower, silence_s: float | None) -> int:
     return count
 
 
+def check(given: argparse.Namespace) -> None:
+    """ValueError: an option that can't be."""
+    for name, value, fine in [
+        ("speed", given.speed, given.speed >= 0), ("images", given.images, given.images >= 0), ("period", given.period, given.period > 0),
+        ("gap", given.gap, given.gap > 0), ("silence", given.silence or 0.0, given.silence is None or given.silence > 0),
+    ]:  # fmt: skip
+        if not (fine and math.isfinite(value)):
+            raise ValueError(f"--{name} {value:g}: a number {'of at least' if name in ('speed', 'images') else 'above'} 0 is needed")
+    if not re.fullmatch(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", given.name, re.ASCII):
+        raise ValueError(f"--name {given.name!r}: ROS' topics begin with letters, digits and _, with / between")
+
+
 def run(given: argparse.Namespace) -> int:
+    check(given)
     settings: dict[str, str] = {}
     for one in given.set:
         key, equals, value = one.partition("=")
@@ -286,7 +328,7 @@ def run(given: argparse.Namespace) -> int:
         time.sleep(0.01)
     if not given.poses:
         return play(node, given.speed, given.period)
-    follower = Follower(node, given.twists, given.axes)
+    follower = Follower(node, given.twists, given.axes, given.gap)
     print("waiting for poses", flush=True)
     try:
         return follow(follower, given.silence)
@@ -298,7 +340,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
     given = options().parse_args(None if arguments is None else list(arguments))
     try:
         print(f"{run(given)} events")
-    except (TidesError, ValueError, OSError) as error:
+    except (TidesError, ValueError, OSError, DDSException) as error:
         sys.exit(f"tides.ros2: {error}")
     except KeyboardInterrupt:
         pass

@@ -1,7 +1,7 @@
 """ROS 2's messages as DDS has them, for tides.ros2: builtin_interfaces, std_msgs, geometry_msgs, sensor_msgs, rosgraph_msgs, and
 event_camera_msgs. Types are pkg::msg::dds_::Name_."""
 
-# Annotations are read when the classes are made, so that they aren't postponed.
+# No postponed annotations: they are needed when the classes are made.
 import sys
 from dataclasses import dataclass, replace
 from typing import Any
@@ -20,8 +20,8 @@ def _name(kind: str) -> str:
 
 
 def _with_bytes(message: Any, last: str, use_version_2: Any) -> bytes:
-    """A message whose last member is bytes, put behind the rest as they are: cyclonedds goes through them one by one, half a
-    microsecond each. An empty sequence is its count alone, 4 bytes."""
+    """A message whose last member is bytes, appended as one block: cyclonedds handles single bytes, half a microsecond each.
+    An empty sequence is its count alone, 4 bytes."""
     data = bytes(getattr(message, last))
     rest = IdlStruct.serialize(replace(message, **{last: b""}), use_version_2=use_version_2)
     return rest[:-4] + len(data).to_bytes(4, sys.byteorder) + data
@@ -187,7 +187,7 @@ def header(ns: int, frame: str) -> Header:
 
 
 def camera_info(of: Header, lens: Any) -> CameraInfo:
-    """A lens in ROS' words. Its pixels have their centres at whole numbers, so that the principal point is half a pixel less."""
+    """A lens in ROS' terms. Pixel centres are whole numbers in ROS, so that the principal point is half a pixel less."""
     cx, cy, bent = lens.cx - 0.5, lens.cy - 0.5, lens.lens
     if bent.model == "equidistant":
         model, numbers = "equidistant", [bent.k1, bent.k2, bent.k3, bent.k4]
@@ -201,14 +201,14 @@ def camera_info(of: Header, lens: Any) -> CameraInfo:
 
 
 def imu(of: Header, rate: Any, force: Any) -> Imu:
-    """Angular rate (3) [rad/s] and specific force (3) [m/s^2]; no orientation, which ROS says by -1."""
+    """Angular rate (3) [rad/s] and specific force (3) [m/s^2]; no orientation, for which ROS' mark is -1."""
     unknown = [0.0] * 9
     turns, goes = (Vector3(*(float(one) for one in values)) for values in (rate, force))
     return Imu(of, Quaternion(0.0, 0.0, 0.0, 1.0), [-1.0] + [0.0] * 8, turns, unknown, goes, unknown)
 
 
 def evt3(t: np.ndarray, x: np.ndarray, y: np.ndarray, p: np.ndarray) -> bytes:
-    """Events in order of t [ns] as EVT 3's words, floored to microseconds: a packet has all it takes to be decoded alone. Words are
+    """Events in order of t [ns] as EVT 3 words, rounded down to microseconds: each packet can be decoded alone. Words are
     TIME_HIGH 0x8 and TIME_LOW 0x6 (12 bits each), ADDR_Y 0x0, ADDR_X 0x2 with the polarity in bit 11."""
     if len(x) and (int(x.max()) > 2047 or int(y.max()) > 2047):
         raise ValueError("EVT 3 has 11 bits for x and y: this sensor has more than 2048 pixels a side")

@@ -29,8 +29,8 @@ from .files import part_name
 
 _ARRAY = "dvs_msgs/msg/EventArray"
 _PACKET = "event_camera_msgs/msg/EventPacket"
-_EVENT = np.dtype([("x", "<u2"), ("y", "<u2"), ("s", "<u4"), ("ns", "<u4"), ("p", "?")])  # dvs_msgs/Event, as it is sent
-_SLICE_NS = 10_000_000  # of a message made of an event file: what a driver sends at 100 Hz
+_EVENT = np.dtype([("x", "<u2"), ("y", "<u2"), ("s", "<u4"), ("ns", "<u4"), ("p", "?")])  # dvs_msgs/Event as serialised
+_SLICE_NS = 10_000_000  # of a message made of an event file: drivers send at 100 Hz
 _SECOND = 1_000_000_000
 
 
@@ -44,7 +44,7 @@ def _typestore() -> Any:
 
 
 def _event_array(number: int, ns: int, frame: bytes, height: int, width: int, events: np.ndarray) -> bytes:
-    """The message's bytes: as objects, a million events would take seconds. `events` has columns t [ns], x, y, p."""
+    """The serialised message; with objects a million events would take seconds. `events` has columns t [ns], x, y, p."""
     if len(events) and not 0 <= events["t"].min() <= events["t"].max() < 2**32 * _SECOND:
         raise ValueError(f"ROS's clock has no {events['t'][0] / _SECOND:.9g} s: it is from 0 to 2^32 s")
     rows = np.empty(len(events), _EVENT)
@@ -55,7 +55,8 @@ def _event_array(number: int, ns: int, frame: bytes, height: int, width: int, ev
 
 
 def _decode_evt3(words: np.ndarray, stamp_us: int) -> np.ndarray:
-    """Single events and times of EVT 3.0, as our bags have them: each packet has its own clock, 24 bits from its stamp on."""
+    """Events and times of EVT 3.0 from TIDES' bags: each packet has its own clock of 24 bits, which starts at the packet's
+    stamp."""
     kind, value, here = words >> 12, (words & 0xFFF).astype(np.int64), np.arange(len(words))
     if not np.isin(kind, (0, 2, 6, 8)).all():
         raise ValueError("the bag's events are vectors of EVT 3.0, which only other writers make")
@@ -69,7 +70,7 @@ def _decode_evt3(words: np.ndarray, stamp_us: int) -> np.ndarray:
     return events
 
 
-_Message = tuple[str, str, int, bytes]  # topic, type, when it is sent [ns], what
+_Message = tuple[str, str, int, bytes]  # topic, type, time of sending [ns], content
 
 
 def _of_events(file: str) -> Iterator[_Message]:
@@ -106,10 +107,10 @@ def write_rosbag(
     source: str | os.PathLike[str],
     topics: Mapping[str, str | Sequence[str] | None] | None = None,
 ) -> int:
-    """Writes a ROS 1 bag of `source`: an event file of any format, whose events become /dvs/events, to the nanosecond, a
-    message every 10 ms; or a ROS 2 bag that tides made, whose topics keep their names, times and contents. `topics` renames some:
-    {"/left/depth": "/davis/left/depth_image_raw"}, to several names for copies, to None to leave one out. How many messages
-    there are."""
+    """Writes a ROS 1 bag of `source`. An event file of any format becomes /dvs/events, to the nanosecond, with a message every
+    10 ms. A ROS 2 bag made by tides keeps topics, times and contents. `topics` renames: {"/left/depth":
+    "/davis/left/depth_image_raw"}, to several names for copies, to None to leave one out. Returns the number of
+    messages."""
     store, connections, count, part = _typestore(), {}, 0, part_name(file)
     messages = _of_bag if os.path.isdir(source) else _of_events
     Path(part).unlink(missing_ok=True)

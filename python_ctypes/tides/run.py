@@ -1,4 +1,4 @@
-"""Run files: one JSON text that says what to simulate."""
+"""Run files: a JSON text that describes a simulation."""
 
 from __future__ import annotations
 
@@ -32,8 +32,9 @@ _TYPES = {number: word for word, number in constants("TIDES_PARAM_").items()}
 
 
 def parameters() -> list[Facts]:
-    """The table of a run file's keys: key, type ("number" ...), unit, lower, upper, fallback (the default as JSON text; ""
-    where the key is required), choices (list), sentence, common (True: most runs set it), path (True: it names files, relative to the run file)."""
+    """The table of a run file's keys: key, type ("number" ...), unit, lower, upper, fallback (the default as JSON text; "" for
+    required keys), choices (list), sentence, common (True: most runs set it), path (True: it names files, relative to the
+    run file)."""
     count = c_size_t()
     rows = lib.tides_params(byref(count))
     made = []
@@ -78,7 +79,7 @@ class Run(Handle):
     ... Pickled are the file's name, or the text, and the overrides: a worker process reads them again."""
 
     _destroy = "tides_run_destroy"
-    _variations: tuple[dict[str, Any], ...] = ()  # what `vary` was given since
+    _variations: tuple[dict[str, Any], ...] = ()  # arguments of `vary` since then
 
     def __init__(
         self,
@@ -131,17 +132,17 @@ class Run(Handle):
 
     @property
     def notes(self) -> list[str]:
-        """What a reader of the run file may not expect of it, such as which values a preset didn't get to set."""
+        """Notes on the run file, such as values that a preset didn't set."""
         return text(lib.tides_run_notes(self._pointer)).splitlines()
 
     def gives(self, key: str) -> bool:
-        """Whether the file or an override says `key`; else it has its default or the preset's value."""
+        """Whether the file or an override sets `key`; else it has its default or the preset's value."""
         return bool(lib.tides_run_gives(self._pointer, key.encode()))
 
     @property
     def rig(self) -> list[Facts]:
-        """Cameras of the run's rig: name, kind ("both", "event", "frame"), T_B_C (4 x 4, p_body = T_B_C p_camera). The run
-        is of one of them: run.vary({"rig.camera": name})."""
+        """Cameras of the run's rig: name, kind ("both", "event", "frame"), T_B_C (4 x 4, p_body = T_B_C p_camera). A run
+        simulates one of them: run.vary({"rig.camera": name})."""
         made, camera = [], _api.tides_rig_camera()
         while lib.tides_run_rig_camera(self._pointer, len(made), byref(camera)):
             name = text(bytes(camera.name).split(b"\0")[0])
@@ -149,7 +150,7 @@ class Run(Handle):
         return made
 
     def open(self) -> tuple[Scene, Camera]:
-        """Opens what the run names."""
+        """Opens the scene and the camera that the run names."""
         scene, trajectory = POINTER(_api.tides_scene)(), POINTER(_api.tides_trajectory)()
         intrinsics = Intrinsics()
         call("tides_run_open", self._pointer, byref(scene), byref(trajectory), intrinsics)
@@ -162,7 +163,7 @@ class Run(Handle):
         return Frames._of(made)
 
     def inputs(self) -> list[Facts]:
-        """The files that the run reads: key, path, folder (True: and what lies below it)."""
+        """The files that the run reads: key, path, folder (True: with all files in it)."""
         rows, count = POINTER(_api.tides_run_input)(), c_size_t()
         call("tides_run_inputs", self._pointer, byref(rows), byref(count))
         try:
@@ -175,8 +176,9 @@ class Run(Handle):
         call("tides_run_apart", self._pointer, _paths(outputs), len(outputs))
 
     def fingerprint(self, extra: str | None = None, prints: "Fingerprints | None" = None) -> Facts:
-        """A hash of the run with every default filled in, of all its inputs, and of `extra`, with their sizes: files, bytes,
-        largest [bytes]. Results are current as long as it holds. `prints` remembers files that several runs share."""
+        """A hash of the run with every default filled in, of all its inputs, and of `extra`; and the inputs' sizes: files,
+        bytes, largest [bytes]. If it is unchanged, results are current. `prints` remembers files that several runs
+        share."""
         made = _api.tides_fingerprint()
         prints = prints or Fingerprints()
         with prints._lock:
@@ -184,16 +186,16 @@ class Run(Handle):
         return plain(made)
 
     def ideal(self, method: str | None = None, pixel: bool = True) -> "Run":
-        """The run with `method` (None: its own) in place of its own and ideal pixels of its thresholds: what is left is how the
-        method sees the image and where it puts events in time. pixel=False: only the thresholds, where it gives none."""
+        """The run with `method` (None: its own) and ideal pixels of its thresholds: methods then differ by how they see the
+        image and where they put events in time. pixel=False: only the thresholds, if the method has none."""
         return self.vary(ideal_settings(self, method or self.values.method, pixel))
 
     def session(self, device: Device | str | int | None = None) -> Session:
-        """The run with everything open that it names. `device` wins over the run file's, which wins over TIDES_DEVICE."""
+        """The run as a Session, with all its inputs open. `device` overrides the run file's, which overrides TIDES_DEVICE."""
         return Session(self, device=device)
 
     def simulation(self, device: Device | str | int | None = None, progress: Progress = None) -> Simulation:
-        """The run as a Simulation. Unsupported where its method sees frames: `simulate` does that."""
+        """The run as a Simulation. Unsupported for methods that difference frames: use `simulate`."""
         return self.session(device).simulation(progress)
 
     def renderer(self, device: Device | str | int | None = None, progress: Progress = None) -> Renderer:
@@ -202,13 +204,13 @@ class Run(Handle):
         return self.session(device).renderer(progress)
 
     def simulate(self, device: Device | str | int | None = None, progress: Progress = None) -> np.ndarray:
-        """All events of the run, as EVENT (n), by whatever method it names."""
+        """All events of the run, as EVENT (n), by the method that it names."""
         with self.session(device) as session:
             return session.simulate(progress)
 
 
 def _read_again(file: Any, set: dict[str, Any], text: Any, directory: str, variations: tuple[dict[str, Any], ...]) -> Run:
-    """A pickled run."""
+    """Unpickles a run."""
     run = Run(file, set, text=text, directory=directory)
     for one in variations:
         run = run.vary(one)
@@ -216,14 +218,14 @@ def _read_again(file: Any, set: dict[str, Any], text: Any, directory: str, varia
 
 
 def fingerprint_text(*texts: str) -> int:
-    """A hash of 64 bits of texts one after the other, the same in every version: for names made of what they stand for."""
+    """A 64-bit hash of texts in sequence, equal in every version: for names made of settings."""
     bytes_of = [one.encode() for one in texts]
     return lib.tides_fingerprint_text((c_char_p * max(1, len(bytes_of)))(*bytes_of), len(bytes_of))
 
 
 class Fingerprints(Handle):
-    """Takes fingerprints of files by content, of folders by names, sizes and times of what lies below them; each path once.
-    Nothing is looked at in the folder `but`, that of the results."""
+    """Computes fingerprints, of each path once: of files by content, of folders by names, sizes and times of the files in
+    them. The folder `but`, that of results, is left out."""
 
     _destroy = "tides_fingerprints_destroy"
 

@@ -44,10 +44,10 @@ def scene_formats() -> list[Facts]:
 
 @dataclass
 class Gaussians:
-    """Raw parameters, as trained, float32: mean (n x 3) [scene units] (float64 where it is given in that, so far from 0 that
-    float32 would lose digits that matter), log_scale (n x 3) ln [scene units], quaternion (n x 4) wxyz, opacity_logit (n), sh
-    (n x k x 3) with k = (degree + 1)^2, in INRIA's order and sign. How they were trained: "unknown", "plain", "antialiased",
-    "mixed". What composited colours are of light: transfer "linear", "srgb" or "gamma" with its exponent."""
+    """Raw parameters, as trained, float32: mean (n x 3) [scene units], log_scale (n x 3) ln [scene units], quaternion (n x 4)
+    wxyz, opacity_logit (n), sh (n x k x 3) with k = (degree + 1)^2, in INRIA's order and sign. float64 means stay float64
+    if they are so far from 0 that float32 would lose digits that matter. trained: "unknown", "plain", "antialiased",
+    "mixed". transfer, from composited colours to light: "linear", "srgb" or "gamma" with its exponent."""
 
     mean: np.ndarray
     log_scale: np.ndarray
@@ -75,7 +75,7 @@ class Gaussians:
 
     @property
     def sh_degree(self) -> int:
-        """Of the spherical harmonics that there are, 0 to 4."""
+        """Degree of the spherical harmonics, 0 to 4."""
         return round(self.sh.shape[1] ** 0.5) - 1
 
     @classmethod
@@ -88,7 +88,7 @@ class Gaussians:
         if np.asarray(rgb).dtype.kind in "iu" and np.max(rgb, initial=0) > 1:
             raise ValueError(f"rgb: {np.asarray(rgb).dtype}, where linear light from 0 to 1 is needed; of sRGB's bytes: (rgb / 255) ** 2.2")
         opacity = np.broadcast_to(np.asarray(opacity, np.float64), (n,))
-        band0 = 0.5 / np.sqrt(np.pi)  # of the spherical harmonics: 3DGS has colour = band0 sh_0 + 1/2
+        band0 = 0.5 / np.sqrt(np.pi)  # constant of band 0: 3DGS has colour = band0 sh_0 + 1/2
         return cls(
             mean,
             np.log(np.broadcast_to(scale, (n, 3))),
@@ -98,7 +98,7 @@ class Gaussians:
         )
 
     def _struct(self) -> _api.tides_gaussians:
-        """For C; it points into this object's arrays."""
+        """The C struct; it points into this object's arrays."""
         arrays = (self.log_scale, self.quaternion, self.opacity_logit, self.sh)
         made = _api.tides_gaussians(len(self), self.sh_degree, _TRAINED[self.trained], None, *(pointer(one, c_float) for one in arrays))
         made.transfer, made.gamma = _TRANSFER[self.transfer], self.gamma
@@ -118,9 +118,9 @@ class Gaussians:
 
 @dataclass(frozen=True)
 class SceneObject:
-    """One object of a scene, copied: name; source, the file it came from, or ""; gaussians; trajectory (None: at rest) and scale;
-    motion, the model by which its Gaussians move (None: they don't), motion_range of the motion's own clock, duration_s [s] of
-    that; moving, Gaussians that move by themselves; knots, times at which their rates may jump."""
+    """One object of a scene, copied: name; source, its file, or ""; gaussians; trajectory (None: at rest) and scale; motion,
+    the model by which its Gaussians move (None: at rest); motion_range of the motion's own clock, and its duration_s [s];
+    moving, the number of Gaussians that move by themselves; knots, the number of times at which their rates may jump."""
 
     name: str
     source: str
@@ -135,11 +135,11 @@ class SceneObject:
 
 
 class Scene(Handle):
-    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .splatv, .lcc, .sog, .glb, .h5,
+    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .splatv, .lcc, .lcc2, .sog, .glb, .h5,
     a trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it.
 
-    Pickled are the names of its files, which are read again, and the values of what was added as values: a worker process
-    gets a scene of its own. A `Motion` is neither."""
+    Pickling stores the names of its files, which are read again, and objects that were added as values: a worker process
+    gets a scene of its own. A `Motion` can't be pickled."""
 
     _destroy = "tides_scene_destroy"
 
@@ -154,9 +154,9 @@ class Scene(Handle):
         made = POINTER(_api.tides_scene)()
         call("tides_scene_create", byref(made))
         super().__init__(made)
-        self._callbacks: list[Any] = []  # what the motions in it call; a scene outlives its users
-        self._files: list[str] = []  # that it was read from
-        self._steps: list[tuple[str, tuple[Any, ...]]] | None = []  # how it was made, for pickle; None: elsewhere
+        self._callbacks: list[Any] = []  # functions of its motions, which must live as long as C uses the scene
+        self._files: list[str] = []  # files that it was read from
+        self._steps: list[tuple[str, tuple[Any, ...]]] | None = []  # calls that made it, for pickle; None: a session made it
         if file is not None:
             self.add_file(file, trajectory, scale, part, invalid)
 
@@ -168,14 +168,14 @@ class Scene(Handle):
         return made
 
     def __reduce__(self) -> Any:
-        self._pointer  # a closed scene says so
+        self._pointer  # raises if the scene is closed
         steps = self._steps
-        if steps is None:  # opened by a run: what stands still is its values
+        if steps is None:  # opened by a run: only objects at rest have values
             steps = [("add", (index, None)) for index in range(len(self))] + [("__setattr__", ("up", self.up))]
         return _remade, ([(name, self._values(*what) if name == "add" else what) for name, what in steps],)
 
     def _values(self, index: int, trajectory: Trajectory | None) -> tuple[Any, ...]:
-        """What `add` was given for an object."""
+        """The arguments of `add` for an object."""
         one = self[index]
         if one.motion:
             raise TypeError(
@@ -190,7 +190,7 @@ class Scene(Handle):
 
     @staticmethod
     def is_file(file: str | os.PathLike[str]) -> bool:
-        """Whether `add_file` would take a file for a scene."""
+        """Whether `add_file` would read a file as a scene."""
         return bool(lib.tides_scene_is_file(path(file)))
 
     def add(
@@ -202,9 +202,8 @@ class Scene(Handle):
         motion: Motion | None = None,
         duration_s: float = 0.0,
     ) -> int:
-        """Adds a copy of `gaussians` as one object, and returns its number. p_world = scale R(t) p + position(t). A
-        `motion`, whose canonical Gaussians these are, is taken over; it lasts `duration_s` [s] (0: as long as its own clock
-        says)."""
+        """Adds a copy of `gaussians` as one object, and returns its number. p_world = scale R(t) p + position(t). A `motion`
+        of these Gaussians is taken over; it lasts `duration_s` [s] (0: the length of its own clock)."""
         self._unused("changed")
         index = c_int32()
         rest = (trajectory._pointer if trajectory else None, scale, encoded(name), byref(index))
@@ -226,8 +225,9 @@ class Scene(Handle):
         part: str | int | None = None,
         invalid: str = "error",
     ) -> None:
-        """Adds what a file holds, or a `part` of it: a glTF's scene, an .h5's object, a trained model's iteration, a streamed
-        SOG's level. `invalid` Gaussians (NaN, infinite) are an "error", or "drop": left out, `dropped` of them."""
+        """Adds a file's content, or a `part` of it: a glTF's scene, an .h5's object, a trained model's iteration, a streamed
+        SOG's level. `invalid` Gaussians (NaN, infinite) are an "error", or "drop": they are left out and counted by
+        `dropped`."""
         self._unused("changed")
         how = _api.tides_scene_options()
         lib.tides_scene_options_defaults(how)
@@ -244,8 +244,8 @@ class Scene(Handle):
     def append(
         self, index: int, times: Any, positions: Any, quaternions: Any, velocities: Any = None, angular_velocities: Any = None
     ) -> None:
-        """Where object `index` is next, which was added with an open path (Trajectory.open): Simulations that look at the scene
-        see it at once."""
+        """Adds the next pose of object `index`, which has an open path (Trajectory.open). Simulations that use the scene see
+        it at once."""
         samples = _given(times, positions, quaternions, velocities, angular_velocities)
         first = pointer(samples, _api.tides_pose_sample)
         with self._lock:
@@ -253,7 +253,7 @@ class Scene(Handle):
         self._steps = None
 
     def set_duration(self, duration_s: float) -> int:
-        """Makes the motions of all objects last `duration_s` [s]; returns how many there are."""
+        """Makes the motions of all objects last `duration_s` [s]; returns their number."""
         self._unused("changed")
         if not duration_s > 0:
             raise ValueError(f"duration_s: {duration_s}, where a time above 0 is needed")
@@ -261,8 +261,8 @@ class Scene(Handle):
         return lib.tides_scene_set_duration(self._pointer, duration_s)
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes .h5 (everything), or one object at rest as .ply, .spz, .splat or .glb; warns of what that has no place for.
-        A file that it was read from is refused."""
+        """Writes .h5 (everything), or one object at rest as .ply, .spz, .splat or .glb, with warnings for properties that the
+        format lacks. A file that the scene was read from is refused."""
         check_apart(self._files, [file])
         call("tides_scene_save", self._pointer, path(file))
         lost = lib.tides_scene_losses(self._pointer, path(file))
@@ -292,8 +292,8 @@ class Scene(Handle):
         )
 
     def gaussians_at(self, index: int, time: float) -> Gaussians:
-        """Object `index`'s Gaussians at `time` [s], as its motion has them then, in its own coordinates: before its trajectory
-        and scale."""
+        """Object `index`'s Gaussians at `time` [s], moved by its motion, in its own coordinates: before trajectory and
+        scale."""
         one = _api.tides_object()
         call("tides_scene_object", self._pointer, index, one)
         n, k = one.gaussians.count, (one.gaussians.sh_degree + 1) ** 2
@@ -306,36 +306,36 @@ class Scene(Handle):
 
     @property
     def count(self) -> int:
-        """Gaussians in all objects."""
+        """Number of Gaussians in all objects."""
         return lib.tides_scene_count(self._pointer)
 
     @property
     def sh_degree(self) -> int:
-        """The largest of the objects'."""
+        """The largest degree of all objects."""
         return lib.tides_scene_sh_degree(self._pointer)
 
     @property
     def trained(self) -> str:
-        """How all objects were trained that say so, and so must be drawn: "unknown", "plain", "antialiased" (mip-splatting's
-        compensated opacities), "mixed". ImageParams(antialias="file") goes by it."""
+        """How the objects were trained that tell it, which decides how they are drawn: "unknown", "plain", "antialiased"
+        (mip-splatting's compensated opacities), "mixed". ImageParams(antialias="file") uses it."""
         return _trained(lib.tides_scene_trained(self._pointer))
 
     @property
     def transfer(self) -> str:
-        """What composited colours of all objects are of light: "linear", "srgb", or "gamma", whose exponent is the objects'.
-        ImageParams(transfer="file") goes by it. BadConfig where objects differ."""
+        """The transfer from composited colours to light, of all objects: "linear", "srgb", or "gamma" with the objects'
+        exponent. ImageParams(transfer="file") uses it. BadConfig if objects differ."""
         transfer, gamma = c_int32(), c_double()
         call("tides_scene_transfer", self._pointer, byref(transfer), byref(gamma))
         return _transfer(transfer.value)
 
     @property
     def dropped(self) -> int:
-        """Gaussians of its files that were left out (add_file's `invalid`)."""
+        """Number of Gaussians that were left out of its files (add_file's `invalid`)."""
         return lib.tides_scene_dropped(self._pointer)
 
     @property
     def notes(self) -> list[str]:
-        """What a user may not expect of the scene's files, such as what was left out."""
+        """Notes on the scene's files, such as content that was left out."""
         return text(lib.tides_scene_notes(self._pointer)).splitlines()
 
     @property
@@ -346,17 +346,17 @@ class Scene(Handle):
         return start.value, stop.value
 
     def orbit(self, up: Any = None, field_of_view: float = 0.8) -> Trajectory:
-        """A camera path that shows the scene, for one without: round all of a thing, as large as fits into `field_of_view`
-        [rad], or in a place, as far out as half of it is; a turn in 12 s, from 0 to 12 s. `up` (3) is what
-        the scene says, else guessed: -y, or z where the scene lies flat across it."""
+        """A camera path for a scene without one: around a thing, as large as fits into `field_of_view` [rad]; or inside a
+        place, at a distance within which half of it lies. One turn takes 12 s, from 0 to 12 s. Default of `up` (3): the
+        scene's, or a guess: -y, or z if the scene lies flat across it."""
         found = _api.tides_orbit()
         call("tides_scene_orbit", self._pointer, None if up is None else doubles(up, 3, "up"), field_of_view, byref(found))
         return Trajectory.orbit(**{name: list(v) if hasattr(v := getattr(found, name), "__len__") else v for name, _ in found._fields_})
 
     @property
     def up(self) -> tuple[float, float, float] | None:
-        """Which way up is (3), as the scene's first file says or as it was set; None where nobody says it. `orbit` stands by it,
-        and .h5 and .ply keep it."""
+        """The direction up (3), from the scene's first file or as set; None if unknown. `orbit` uses it, and .h5 and .ply
+        store it."""
         found = (c_double * 3)()
         return tuple(found) if lib.tides_scene_up(self._pointer, found) else None
 
@@ -367,14 +367,14 @@ class Scene(Handle):
         self._note("__setattr__", "up", up)
 
     def bounds_at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner (3) of the box about the means where they are at `time` [s]."""
+        """Lower and upper corner (3) of the box around the means at `time` [s]."""
         lower, upper = (c_double * 3)(), (c_double * 3)()
         call("tides_scene_bounds_at", self._pointer, time, lower, upper)
         return np.array(lower), np.array(upper)
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner (3) [scene units] of the box about the means, objects at their start."""
+        """Lower and upper corner (3) [scene units] of the box around the means, with objects at their start."""
         lower, upper = (c_double * 3)(), (c_double * 3)()
         lib.tides_scene_bounds(self._pointer, lower, upper)
         return np.array(lower), np.array(upper)
@@ -384,7 +384,7 @@ class Scene(Handle):
 
 
 def _remade(steps: list[tuple[str, tuple[Any, ...]]]) -> Scene:
-    """A pickled scene, made as it was made."""
+    """Unpickles a scene, by the calls that made it."""
     scene = Scene()
     for name, what in steps:
         getattr(scene, name)(*what)

@@ -1,4 +1,4 @@
-"""A run with everything open that it names, and the run itself: into arrays, functions, files."""
+"""A run with all its inputs open, and running it: into arrays, functions, files."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def overrides(settings: dict[str, Any] | None) -> tuple[Any, int]:
 
 
 def values_of(struct: Any, owner: Any) -> Facts:
-    """A tides_run_values as Facts; `owner` has what its pointers point to."""
+    """A tides_run_values as Facts; `owner` holds the memory that its pointers point to."""
 
     def value(one: Any) -> Any:
         kind = _VALUES.get(type(one))
@@ -65,7 +65,7 @@ def values_of(struct: Any, owner: Any) -> Facts:
 
 
 def dataset_layouts() -> list[Facts]:
-    """The layouts of Session.dataset: name, summary, metric (whether scene.metres_per_unit must be known)."""
+    """The layouts of Session.dataset: name, summary, metric (True: scene.metres_per_unit must be known)."""
     made, layout = [], _api.tides_dataset_layout()
     while lib.tides_dataset_layout_at(len(made), byref(layout)):
         facts = plain(layout)
@@ -74,9 +74,9 @@ def dataset_layouts() -> list[Facts]:
 
 
 class Session(Handle):
-    """A run file with all open that it names: Session("room.json", {"method": "esim"}). It may run any number of times, each
-    from the start. A `device` wins over the run file's, which wins over TIDES_DEVICE. Fields: values (as a Run's),
-    intrinsics, scene and camera, or frames, device (None on frames), sees_frames."""
+    """A run file with all its inputs open: Session("room.json", {"method": "esim"}). It may run any number of times, each from
+    the start. A `device` overrides the run file's, which overrides TIDES_DEVICE. Fields: values (as a Run's), intrinsics,
+    scene and camera, or frames, device (None on frames), sees_frames."""
 
     _destroy = "tides_session_close"
 
@@ -86,20 +86,20 @@ class Session(Handle):
         set: dict[str, Any] | None = None,
         device: Device | str | int | None = None,
     ):
-        """`run`: a Run, which may be varied by `set`, or a run file's path."""
+        """`run`: a Run, with `set` as overrides, or a run file's path."""
         made = POINTER(_api.tides_session)()
         if not hasattr(run, "_pointer") and not isinstance(device, Device):
             spec = encoded(None if device is None else str(device))
             call("tides_session_load", path(run), *overrides(set), spec, byref(made))
             return self._take(made)
         if not hasattr(run, "_pointer"):
-            from .run import Run  # which imports this module
+            from .run import Run  # imports this module itself
 
             run = Run(run)
         run = run.vary(set) if set else run
         if device is None and run.values.device != "auto":
             device = run.values.device
-        # On a scene Python opens the device, which its other objects may then share; a run on frames needs none.
+        # On a scene Python opens the device, so that other objects may share it; a run on frames needs none.
         own = None if run.values.frames_file else opened(device)
         call("tides_session_open", run._pointer, own._pointer if own else None, byref(made))
         self._take(made, run, *([own] if own else []), device=own)
@@ -111,7 +111,7 @@ class Session(Handle):
         self.values, self.sees_frames = values_of(facts.values, self), bool(facts.sees_frames)
         self.intrinsics = Intrinsics._from(facts.intrinsics)
         self.scene = self.camera = self.frames = None
-        #: What a reader of the run may not expect of what was opened; each line is warned of, too.
+        # #: Notes on what was opened; each line is also a warning.
         self.notes = text(lib.tides_session_notes(made)).splitlines()
         for line in self.notes:
             warn(line)
@@ -125,8 +125,7 @@ class Session(Handle):
             self.camera = Camera(Trajectory._lent(facts.camera, self), self.intrinsics)
 
     def vary(self, set: dict[str, Any]) -> "Session":
-        """Another session on what this one has open: other methods, sensors, steps. BadConfig where a key needs something
-        else opened."""
+        """Another session with the same inputs: other methods, sensors, steps. BadConfig if a key needs other inputs."""
         made = POINTER(_api.tides_session)()
         call("tides_session_vary", self._pointer, *overrides(set), byref(made))
         session = Session.__new__(Session)
@@ -134,8 +133,8 @@ class Session(Handle):
         return session
 
     def run(self, sink: Callable[..., Any], progress: Progress = None) -> Facts:
-        """Runs it whole, by whatever method; `sink` gets each packet as a view of C's memory, valid during the call only, and
-        stops it by returning something true (Cancelled) or by raising. The statistics."""
+        """Does the whole run, by the run's method. `sink` gets each packet as a view of C's memory, valid during the call
+        only; it stops the run by returning something true (Cancelled) or by raising. Returns the statistics."""
 
         def take(_user: Any, events: Any, count: int) -> int:
             return 1 if sink(packet(events, count)) else 0
@@ -157,7 +156,7 @@ class Session(Handle):
         return plain(stats)
 
     def simulate(self, progress: Progress = None) -> np.ndarray:
-        """All its events, as EVENT (n)."""
+        """All events of the run, as EVENT (n)."""
         collector = _Collector()
         self._run(collector.take, progress)
         return collector.result()
@@ -172,7 +171,7 @@ class Session(Handle):
         *,
         keep_checkpoint: bool = False,
     ) -> Facts:
-        """Runs it whole into an event file, as `tides simulate` does; the statistics. See Simulation.write."""
+        """Writes all events of the run to a file, like `tides simulate`; returns the statistics. See Simulation.write."""
         stats = _api.tides_stats()
         how = recording(format, resume, checkpoint_s, keep_checkpoint)
         with self._lock, Reporter(progress) as step:
@@ -182,8 +181,8 @@ class Session(Handle):
     def dataset(
         self, folder: str | os.PathLike[str], layouts: str | list[str] | None = None, progress: Progress = None
     ) -> Facts:
-        """Every camera of the run's rig as a dataset in `folder`, in one layout ("dsec") or several (a folder for each),
-        those of dataset.layout where none is given: tides.dataset_layouts() lists them. The numbers of events, cameras,
+        """Writes every camera of the run's rig as a dataset to `folder`, in one layout ("dsec") or several (a folder for
+        each); default: those of dataset.layout. tides.dataset_layouts() lists them. Returns the numbers of events, cameras,
         pictures, truths and poses."""
         given = layouts or self.values.dataset_layout
         if not given:
@@ -197,19 +196,20 @@ class Session(Handle):
         return plain(report)
 
     def write_maps(self, file: str | os.PathLike[str]) -> None:
-        """What the run's sensor has for each pixel, as an HDF5 file that sensor.maps of another run takes: both then share a
+        """Writes the sensor's values of each pixel as an HDF5 file for sensor.maps of another run: both then share a
         sensor."""
         with self._lock:
             call("tides_session_maps", self._pointer, path(file))
 
     def add_truth(self, file: str | os.PathLike[str], progress: Progress = None) -> None:
-        """Adds ground truth to a finished HDF5 recording of this run: columns flow_u, flow_v [px/s], depth [scene units], alpha
-        and instance beside its events, each at the time that its event fired. sensor.truth has `write` do it."""
+        """Adds ground truth to a finished HDF5 recording of this run: columns flow_u, flow_v [px/s], depth [scene units],
+        alpha and instance beside its events, each at the time when its event fired. With sensor.truth `write` does it."""
         with self._lock, Reporter(progress) as step:
             call("tides_session_truth", self._pointer, path(file), step, None)
 
     def write_frames(self, folder: str | os.PathLike[str], progress: Progress = None) -> Facts:
-        """Frames as exposure.* says, into a folder: numbered PNGs, timestamps.txt, exposure_timestamps.txt. What it took."""
+        """Writes frames, as exposure.* says, to a folder: numbered PNGs, timestamps.txt, exposure_timestamps.txt. Returns
+        count (of frames), error, renders, unsettled, pairs."""
         taken = _api.tides_session_taken()
         with self._lock, Reporter(progress) as step:
             call("tides_session_frames", self._pointer, path(folder), step, None, byref(taken))
@@ -218,33 +218,34 @@ class Session(Handle):
         return plain(taken)
 
     def write_imu(self, file: str | os.PathLike[str]) -> Facts:
-        """What an IMU on the camera measures as imu.* says: .csv, .txt, .npz or .h5. How many samples."""
+        """Writes the measurements of an IMU on the camera, as imu.* says: .csv, .txt, .npz or .h5. Returns count and
+        at_imu."""
         taken = _api.tides_session_taken()
         with self._lock:
             call("tides_session_imu", self._pointer, path(file), byref(taken))
         return plain(taken)
 
     def write_tracks(self, file: str | os.PathLike[str], progress: Progress = None) -> Facts:
-        """Points as tracks.* says, followed through the run: .npz, .csv, or Kubric's annotations as .npy. How many times
-        and tracks."""
+        """Writes points, as tracks.* says, followed through the run: .npz, .csv, or Kubric's annotations as .npy. Returns
+        count (of times) and tracks."""
         taken = _api.tides_session_taken()
         with self._lock, Reporter(progress) as step:
             call("tides_session_tracks", self._pointer, path(file), step, None, byref(taken))
         return plain(taken)
 
     def exact(self, progress: Progress = None, **options: Any) -> Facts:
-        """The exact stream of ideal pixels with the run's thresholds, and what it is worth: see measure.exact_stream."""
+        """The exact stream of ideal pixels with the run's thresholds, and its accuracy: see measure.exact_stream."""
         return session_exact(self, progress, **options)
 
     def simulation(self, progress: Progress = None) -> Simulation:
-        """A Simulation at the run's start. Unsupported where the method sees frames: `simulate` does that."""
+        """A Simulation at the run's start. Unsupported for methods that difference frames: use `simulate`."""
         made = POINTER(_api.tides_simulator)()
         with self._lock, Reporter(progress) as step:
             call("tides_session_simulator", self._pointer, step, None, byref(made))
         return Simulation._of(made, self)
 
     def renderer(self, progress: Progress = None) -> Renderer:
-        """The scene by the run's image rules as a Renderer. The optics' blur (frontend.psf_sigma_px) is left out: add it with
+        """A Renderer of the scene by the run's image rules. It doesn't have the optics' blur (frontend.psf_sigma_px): see
         Renderer.set_psf. Unsupported on frames."""
         made = POINTER(_api.tides_renderer)()
         with self._lock, Reporter(progress) as step:

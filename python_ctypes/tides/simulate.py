@@ -30,7 +30,7 @@ _RECORD = sizeof(_api.tides_event)
 
 class Sensor(Value, _api.tides_sensor):
     """The sensor: thresholds, and noise and dynamics, which are off by default. `preset` ("davis346", or a .json file like
-    share/presets') gives the fields that aren't given; Readout(preset=...) has its readout."""
+    share/presets') sets the fields that aren't given; Readout(preset=...) has its readout."""
 
     _defaults = "tides_sensor_defaults"
     _words = {
@@ -59,7 +59,7 @@ class Stepping(Value, _api.tides_stepping):
 
 
 class Recording(Value, _api.tides_recording):
-    """How events go into a file: resume, format, checkpoint_s [s], keep_checkpoint."""
+    """Options for writing events: resume, format, checkpoint_s [s], keep_checkpoint."""
 
     _defaults = "tides_recording_defaults"
 
@@ -70,12 +70,12 @@ def recording(format: str | None, resume: bool, checkpoint_s: float | None, keep
 
 
 def packet(events: Any, count: int) -> np.ndarray:
-    """What C gives a sink, as EVENT (count): a view of its memory, valid during the call only."""
+    """A sink's packet as EVENT (count): a view of C's memory, valid during the call only."""
     return np.ctypeslib.as_array(events, (count,)).view(EVENT) if count else np.empty(0, EVENT)
 
 
 class _Collector:
-    """A growing array of events: C's packets are copied in once."""
+    """A growing array of events: packets are copied into it once."""
 
     def __init__(self) -> None:
         self.events, self.count = np.empty(4096, EVENT), 0
@@ -95,7 +95,7 @@ class _Collector:
 
 
 def warn_of_nothing(who: str = "") -> None:
-    """A run whose camera looks away ends well, and empty: its user should hear why."""
+    """Warns that nothing was in view: a run whose camera looks away succeeds, without events."""
     warn(f"nothing of the scene was in view{who}, at any time: look at the camera's path")
 
 
@@ -107,7 +107,7 @@ class Simulation(Handle):
     once: what has given its last event says so (ValueError) instead of giving none. Ctrl-C ends each within a step; what was simulated stays, and the next call goes on from there."""
 
     _destroy = "tides_simulator_destroy"
-    _spent = False  # all was taken: there is no rest to give
+    _spent = False  # True: all events were taken
 
     def __init__(
         self,
@@ -125,8 +125,8 @@ class Simulation(Handle):
         seed: str | None = None,
         progress: Progress = None,
     ):
-        """A `readout` that is enabled stands between pixels and events, and `filters` behind it. `run` (a run file's JSON) and `seed` (None: the
-        sensor's) are facts that are written into files; `run` is compared when a run goes on."""
+        """An enabled `readout` stands between pixels and events, and `filters` behind it. `run` (a run file's JSON) and `seed`
+        (None: the sensor's) are written into files; `run` is compared when a run is resumed."""
         self.scene, self.camera = instance(scene, Scene, "Simulation: scene"), instance(camera, Camera, "Simulation: camera")
         self.sensor, self.stepping = given(sensor, Sensor, "Simulation: sensor"), given(stepping, Stepping, "Simulation: stepping")
         self.image = given(image, ImageParams, "Simulation: image")
@@ -171,7 +171,7 @@ class Simulation(Handle):
             )
 
     def _advance(self, until: float | None, sink: Callable[..., int], progress: Progress) -> None:
-        """To `until`, or to the end (None), after which nothing is left."""
+        """Advances to `until`, or to the end (None), after which no event is left."""
         self._goes_on()
         self._step_to(self.stop if until is None else until, sink, progress)
         self._spent = until is None
@@ -187,8 +187,8 @@ class Simulation(Handle):
                 self._stopping.clear()
 
     def run(self, until: float | None = None, progress: Progress = None) -> np.ndarray:
-        """Events from where the simulation is to `until` [s] (None: stop), as EVENT (n), sorted by (t, y, x, p). Where it
-        is ended before, the exception's `events` are those so far."""
+        """Events from the present time to `until` [s] (None: stop), as EVENT (n), sorted by (t, y, x, p). If it is
+        interrupted, the exception's `events` are those so far."""
         collector = _Collector()
         try:
             self._advance(until, collector.take, progress)
@@ -198,8 +198,8 @@ class Simulation(Handle):
         return collector.result()
 
     def packets(self, duration_s: float | None = None) -> Iterator[np.ndarray]:
-        """The events of one stretch of `duration_s` [s] (None: the step) after the other, as arrays; may be empty. They lie
-        on the grid of steps, so that together they are what `run` gives."""
+        """Arrays of events, one for each `duration_s` [s] (None: the step); they may be empty. They end at steps of the grid,
+        so that together they equal `run`."""
         duration_s = self.stepping.step_s if duration_s is None else duration_s
         if not duration_s > 0:
             raise ValueError(f"duration_s: {duration_s}, where a time above 0 is needed")
@@ -214,9 +214,9 @@ class Simulation(Handle):
     def feed(
         self, sink: Callable[..., Any], until: float | None = None, fired: bool = False, progress: Progress = None
     ) -> None:
-        """Gives `sink` each packet as a view of C's memory, without a copy and valid during the call only; with `fired`
-        also when each event fired [ns] (n), which a readout delays. It stops the simulation by returning something true
-        (Cancelled) or by raising."""
+        """Gives `sink` each packet as a view of C's memory, valid during the call only; with `fired` also the times when
+        events fired [ns] (n), which a readout delays. `sink` stops the simulation by returning something true (Cancelled)
+        or by raising."""
 
         def take(_user: Any, events: Any, count: int) -> int:
             view = packet(events, count)
@@ -259,13 +259,13 @@ class Simulation(Handle):
         return stats
 
     def cancel(self) -> None:
-        """Stops the call that another thread is in, or else the next one: there, Cancelled is raised."""
+        """Stops the call under way in another thread, or else the next one: that call raises Cancelled."""
         self._stopping.set()
 
     # -- state ------------------------------------------------------------------------------------------------------
     @property
     def stats(self) -> Facts:
-        """What was done so far, field for field what `tides simulate --stats` writes."""
+        """Statistics so far, with the fields of `tides simulate --stats`."""
         stats = _api.tides_stats()
         with self._lock:
             lib.tides_simulator_stats(self._pointer, byref(stats))
@@ -274,7 +274,7 @@ class Simulation(Handle):
     @property
     def state(self) -> Facts:
         """The state of every pixel: signal and reference [log units], count_on, count_off; arrays (height x width), copied.
-        Before the first run nothing is rendered: signal and reference are NaN."""
+        Before the first run signal and reference are NaN."""
         shape = (self.camera.intrinsics.height, self.camera.intrinsics.width)
         planes = [np.empty(shape, kind) for kind in (np.float64, np.float64, np.uint32, np.uint32)]
         kinds = (c_double, c_double, c_uint32, c_uint32)
@@ -283,17 +283,17 @@ class Simulation(Handle):
         return Facts(zip(("signal", "reference", "count_on", "count_off"), planes))
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes the state of the run, HDF5, for `restore`."""
+        """Writes the state of the run to an HDF5 file, for `restore`."""
         with self._lock:
             call("tides_simulator_save", self._pointer, encoded(self._run), path(file))
 
     def restore(self, file: str | os.PathLike[str]) -> None:
-        """Puts this simulation, which hasn't run yet, where a saved one was. BadConfig where that was of another run."""
+        """Puts this simulation, which hasn't run yet, into a saved state. BadConfig if that was of another run."""
         with self._lock:
             call("tides_simulator_restore", self._pointer, encoded(self._run), path(file))
 
 
 def _nanoseconds(seconds: float) -> int:
-    """The nearest one, as the simulator rounds its start: 1e9 times a time of 1e9 s would be off by 128 ns."""
+    """Rounds to nanoseconds, as the simulator rounds its start: 1e9 times a time of 1e9 s would be off by 128 ns."""
     whole = math.floor(seconds)
     return whole * 10**9 + math.floor((seconds - whole) * 1e9 + 0.5)

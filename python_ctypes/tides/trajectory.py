@@ -1,4 +1,4 @@
-"""Paths of cameras and objects: poses over time with their exact rates, and cameras as a path with a lens."""
+"""Paths of cameras and objects: poses over time with exact rates; and cameras, a path with a lens."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Trajectory(Handle):
     Pickled are its samples."""
 
     _destroy = "tides_trajectory_destroy"
-    _mount: tuple[Any, ...] = ()  # the path that this is mounted on, and where
+    _mount: tuple[Any, ...] = ()  # the path on which this one is mounted, and the mounting
 
     def __init__(
         self,
@@ -106,8 +106,8 @@ class Trajectory(Handle):
     def open(
         cls, times: Any, positions: Any, quaternions: Any, velocities: Any = None, angular_velocities: Any = None
     ) -> "Trajectory":
-        """A path that is told as it goes, with `append`: between samples the cubic with their rates (those that aren't given are
-        taken from the samples before), so that what is appended changes nothing before it. `Live` makes its own."""
+        """A path that is extended during a run, by `append`. Between samples it is the cubic with their rates; rates that
+        aren't given come from samples before. So appending changes no earlier part. `Live` makes its own."""
         return cls._created(_given(times, positions, quaternions, velocities, angular_velocities), True)
 
     def append(
@@ -120,13 +120,13 @@ class Trajectory(Handle):
             call("tides_trajectory_append", self._pointer, first, len(samples))
 
     def forget(self, time: float) -> None:
-        """Lets an open path forget samples that it doesn't need from `time` [s] on."""
+        """Lets an open path drop samples that it doesn't need from `time` [s] on."""
         with self._lock:
             lib.tides_trajectory_forget(self._pointer, time)
 
     @property
     def is_open(self) -> bool:
-        """Whether it is told as it goes."""
+        """Whether it is an open path, which can be extended."""
         return bool(lib.tides_trajectory_is_open(self._pointer))
 
     @classmethod
@@ -187,7 +187,7 @@ class Trajectory(Handle):
         return Camera.load(file, **options).trajectory
 
     def mounted(self, position: Any, quaternion: Any = (1, 0, 0, 0)) -> "Trajectory":
-        """The path of what sits on this body: p_body = R(quaternion) p_mounted + position [scene units]."""
+        """The path of something mounted on this body: p_body = R(quaternion) p_mounted + position [scene units]."""
         place = (doubles(position, 3, "position"), doubles(quaternion, 4, "quaternion"))
         made = self._generate("mounted", self._pointer, *place)
         made._mount = (self, tuple(place[0]), tuple(place[1]))
@@ -198,7 +198,7 @@ class Trajectory(Handle):
             return Trajectory.mounted, self._mount
         samples = _samples(self._pointer)
         copy = Trajectory._created(samples, self.is_open)
-        if not np.array_equal(_samples(copy._pointer), samples):  # quaternions were normalised once more
+        if not np.array_equal(_samples(copy._pointer), samples):  # copying normalises quaternions again
             raise TypeError(
                 "this Trajectory can't be pickled: its samples don't say it to the bit. Pickle the Run or the rig's path "
                 "that it came from"
@@ -213,13 +213,14 @@ class Trajectory(Handle):
         return Pose(rotation, np.array(pose.position), rotation_dot, np.array(pose.position_dot))
 
     def acceleration(self, time: float) -> np.ndarray:
-        """Acceleration (3) of the body's origin at `time` [scene units/s^2], in world axes. Unsupported where the path is C1."""
+        """Acceleration (3) of the body's origin at `time` [scene units/s^2], in world axes. Unsupported for a path that is
+        only C1."""
         made = (c_double * 3)()
         call("tides_trajectory_acceleration", self._pointer, time, made)
         return np.array(made)
 
     def imu(self, imu: Imu, start: float, stop: float) -> np.ndarray:
-        """What an IMU on the body measures from `start` to `stop` [s] (IMU_SAMPLE)."""
+        """Measurements of an IMU on the body from `start` to `stop` [s] (IMU_SAMPLE)."""
         samples = np.zeros(lib.tides_imu_count(imu, start, stop), IMU_SAMPLE)
         made = pointer(samples, _api.tides_imu_sample)
         call("tides_trajectory_imu", self._pointer, imu, start, len(samples), made)
@@ -234,7 +235,7 @@ class Trajectory(Handle):
 
     @property
     def is_static(self) -> bool:
-        """Whether it never moves."""
+        """Whether the pose never changes."""
         return bool(lib.tides_trajectory_is_static(self._pointer))
 
     def __len__(self) -> int:
@@ -247,7 +248,7 @@ class Trajectory(Handle):
 
 
 def _given(times: Any, positions: Any, quaternions: Any, velocities: Any, angular_velocities: Any) -> np.ndarray:
-    """Samples as C has them, of arrays."""
+    """Samples for C, from arrays."""
     times = array(times, np.float64, (None,), "times")
     samples = np.zeros(len(times), _SAMPLE)
     samples["time"] = times
@@ -272,7 +273,7 @@ def _samples(trajectory: Any) -> np.ndarray:
 
 
 def lens_names() -> list[str]:
-    """The models of Lens and of camera.lens: "none", "radtan" ..."""
+    """Names of lens models, for Lens and camera.lens: "none", "radtan" ..."""
     names: list[str] = []
     while (name := lib.tides_lens_name(len(names))) is not None:
         names.append(text(name))
@@ -280,14 +281,14 @@ def lens_names() -> list[str]:
 
 
 class Lens(Value, _api.tides_lens):
-    """How lines bend: model ("none", "radtan", "equidistant") and its coefficients k1, k2, k3, k4, p1, p2."""
+    """Lens distortion: model ("none", "radtan", "equidistant") and its coefficients k1, k2, k3, k4, p1, p2."""
 
     _words = {"model": "TIDES_LENS_"}
 
 
 class Intrinsics(Value, _api.tides_intrinsics):
-    """A camera: width, height [px]; fx, fy, cx, cy [px]; lens (a Lens; a pinhole where not given). u = fx x/z + cx; the centre
-    of pixel (0, 0) is at (0.5, 0.5)."""
+    """A camera: width, height [px]; fx, fy, cx, cy [px]; lens (a Lens; default: a pinhole). u = fx x/z + cx; the centre of
+    pixel (0, 0) is at (0.5, 0.5)."""
 
     lens: Any = property(
         lambda self: Lens._from(_api.tides_intrinsics.lens.__get__(self)),
@@ -296,15 +297,15 @@ class Intrinsics(Value, _api.tides_intrinsics):
     )
 
     def rectify_map(self, rectified: "Intrinsics | None" = None, rotation: Any = None) -> np.ndarray:
-        """Where each pixel is in the image of the pinhole `rectified` (this one without its lens where not given), turned by
-        the 3x3 `rotation`: (height, width, 2) of float32, with pixel centres at whole numbers as OpenCV and DSEC have them."""
+        """The place of each pixel in the image of the pinhole `rectified` (default: this camera without its lens), turned by
+        the 3x3 `rotation`: (height, width, 2) of float32. Pixel centres are whole numbers, as in OpenCV and DSEC."""
         made = np.empty((self.height, self.width, 2), np.float32)
         turned = None if rotation is None else (c_double * 9)(*np.ravel(rotation))
         call("tides_rectify_map", self, rectified or self.copy(lens=Lens()), turned, made.ctypes.data_as(POINTER(c_float)))
         return made
 
     def save_rectify_map(self, file: str | os.PathLike[str], rectified: "Intrinsics | None" = None, rotation: Any = None) -> None:
-        """The same as a .npy file."""
+        """Writes rectify_map as a .npy file."""
         turned = None if rotation is None else (c_double * 9)(*np.ravel(rotation))
         call("tides_rectify_save", path(file), self, rectified or self.copy(lens=Lens()), turned)
 
@@ -327,18 +328,18 @@ class PathOptions(Value, _api.tides_path_options):
 
 
 class Camera:
-    """A path and a lens: Camera(trajectory, intrinsics), or the lens by its numbers: Camera(trajectory, width=346, ...)."""
+    """A path and a lens: Camera(trajectory, intrinsics), or with the lens' numbers: Camera(trajectory, width=346, ...)."""
 
     def __init__(self, trajectory: Trajectory, intrinsics: Intrinsics | None = None, **lens: Any):
         self.trajectory = instance(trajectory, Trajectory, "Camera: trajectory")
         self.intrinsics = given(intrinsics, Intrinsics, "Camera: intrinsics").copy(**lens)
-        self.format, self.distorted, self.field_of_view_x = "", False, 0.0  #: what a file said, where it came from one
-        self._files: list[str] = []  # that it was read from
-        self.notes: list[str] = []  #: what a reader of that file may not expect of it; warned of when it is read
+        self.format, self.distorted, self.field_of_view_x = "", False, 0.0  # facts of the file, if it came from one
+        self._files: list[str] = []  # files that it was read from
+        self.notes: list[str] = []  # notes on that file; also warnings when it is read
 
     @classmethod
     def load(cls, file: str | os.PathLike[str], lens: dict[str, Any] | None = None, **options: Any) -> "Camera":
-        """A path file of any known format. `lens` replaces what the file says of the intrinsics; `options` are the fields of
+        """Reads a path file of any known format. `lens` replaces the file's intrinsics; `options` are the fields of
         PathOptions."""
         made = _api.tides_path()
         call("tides_path_load", path(file), PathOptions(**options), made)
@@ -355,7 +356,7 @@ class Camera:
         return camera
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes the path with the lens as TIDES's JSON. The file that it was read from is refused."""
+        """Writes the path and the lens as TIDES' JSON. The file that it was read from is refused."""
         check_apart(self._files, [file])
         call("tides_path_save", path(file), self.trajectory._pointer, self.intrinsics)
 

@@ -40,24 +40,24 @@ _TYPE = "ParticleField3DGaussianSplat"
 _ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
 _DEGREE, _HARMONICS = "radiance:sphericalHarmonicsDegree", "radiance:sphericalHarmonicsCoefficients"
 _MOST_DEGREE = 4
-_CODES_PER_SECOND = 24.0  # of what is written, as USD has it where a stage says nothing
+_CODES_PER_SECOND = 24.0  # of written stages: USD's default
 
 
 # -- a prim's arrays -------------------------------------------------------------------------------------------------------
 def _place(prim: Any) -> str:
-    """Of messages: file and path of a prim."""
+    """File and path of a prim, for messages."""
     return f"{prim.GetStage().GetRootLayer().realPath}: {prim.GetPath()}"
 
 
 def _branch(prim: Any) -> Iterator[Any]:
-    """A prim and those above it."""
+    """A prim and all prims above it."""
     while prim and not prim.IsPseudoRoot():
         yield prim
         prim = prim.GetParent()
 
 
 def _attribute(prim: Any, name: str) -> Any:
-    """The float form of an array where it holds anything at its first time, else the half form."""
+    """The float form of an array if it has values at its first time, else the half form."""
     for attribute in (prim.GetAttribute(name), prim.GetAttribute(name + "h")):
         if attribute and len(attribute.Get(Usd.TimeCode.EarliestTime()) or ()):
             return attribute
@@ -65,7 +65,8 @@ def _attribute(prim: Any, name: str) -> Any:
 
 
 def _values(prim: Any, name: str, code: float, count: int, missing: Any) -> np.ndarray:
-    """An array of `count` rows at a time. Too long it is cut, too short or absent it is as `missing` says (OpenUSD's rules)."""
+    """An array of `count` rows at a time. By OpenUSD's rules a longer one is cut, and a shorter or absent one becomes
+    `missing`."""
     attribute = _attribute(prim, name)
     value = attribute.Get(code) if attribute else None
     rows = 0 if value is None else len(value)
@@ -74,7 +75,7 @@ def _values(prim: Any, name: str, code: float, count: int, missing: Any) -> np.n
     if rows < count:
         return np.broadcast_to(np.asarray(missing, np.float64), (count, *np.shape(missing))).copy()
     made = np.asarray(value, np.float64)[:count]
-    return made[:, [3, 0, 1, 2]] if name == "orientations" else made  # memory has a quaternion's real part last
+    return made[:, [3, 0, 1, 2]] if name == "orientations" else made  # USD stores a quaternion's real part last
 
 
 def _harmonics(prim: Any, code: float, count: int) -> np.ndarray:
@@ -107,8 +108,8 @@ def _splats(prim: Any, code: float) -> Splats:
 
 
 def _transfer(prim: Any) -> tuple[str, float, bool]:
-    """What colours are of light by the colour space of the coefficients, or of the prim and those above it; else srgb, as in
-    every file that says nothing. And whether it was said."""
+    """The transfer from colours to light, from the colour space of the coefficients, of the prim or of those above it; default
+    srgb. Also whether the file tells it."""
     attribute = _attribute(prim, _HARMONICS) or prim.GetAttribute(_HARMONICS)
     name = attribute.GetColorSpace() if attribute else ""
     name = str(name or Usd.ColorSpaceAPI.ComputeColorSpaceName(prim, Usd.ColorSpaceCache()) or "")
@@ -125,8 +126,8 @@ def _transfer(prim: Any) -> tuple[str, float, bool]:
 
 
 def _map(prim: Any, code: float) -> Map:
-    """From a prim's own space to the stage's."""
-    matrix = np.array(UsdGeom.XformCache(code).GetLocalToWorldTransform(prim))  # rows: p' = p matrix
+    """The map from a prim's own space to the stage's."""
+    matrix = np.array(UsdGeom.XformCache(code).GetLocalToWorldTransform(prim))  # row vectors: p' = p matrix
     made = Map(matrix[:3, :3].T.copy(), matrix[3, :3].copy())
     if not np.isfinite(matrix).all() or made.flattens:
         raise BadFile(f"{_place(prim)}: its transform flattens it, or isn't finite")
@@ -136,7 +137,7 @@ def _map(prim: Any, code: float) -> Map:
 # -- time ------------------------------------------------------------------------------------------------------------------
 @dataclass
 class _Clock:
-    """First and last time code of a stage's samples, and codes per second."""
+    """First and last time code of a stage's samples, and time codes per second."""
 
     first: float
     last: float
@@ -155,15 +156,15 @@ class _Clock:
         return (np.array(codes) - self.first) / self.per_second
 
     def codes(self, samples: Iterable[float], every: float | None = None) -> list[float]:
-        """Those of `samples` that lie within, and the ends: what comes before the first and after the last sample is held. `every`
-        so many codes one more, for what USD doesn't join by a line (turns about axes)."""
+        """Those of `samples` that lie within, and both ends, since values are held before the first and after the last sample.
+        `every`: additional codes, for changes that USD doesn't interpolate linearly (turns about axes)."""
         inside = sorted(one for one in samples if self.first <= one <= self.last)
         held = [inside[0] - 1, inside[-1] + 1] if inside else []
         more = np.arange(self.first, self.last, every).tolist() if every else []
         return sorted({self.first, self.last, *inside, *more, *(one for one in held if self.first < one < self.last)})
 
     def holds(self, samples: list[float]) -> bool:
-        """Whether values rest before the first or after the last of `samples`."""
+        """Whether values are constant before the first or after the last of `samples`."""
         return self.first < samples[0] or samples[-1] < self.last
 
 
@@ -179,7 +180,7 @@ def _xform_samples(prim: Any) -> list[float]:
 
 # -- reading ---------------------------------------------------------------------------------------------------------------
 def _rigid(maps: list[Map]) -> bool:
-    """Whether they turn and shift alone, after one scale for all times."""
+    """Whether the maps differ only by turns and shifts, with one scale for all times."""
     scale = maps[0].scale
     return scale is not None and all(one.scale and abs(one.scale - scale) <= 1e-6 * scale and not one.mirrors for one in maps)
 
@@ -189,7 +190,7 @@ def _path(maps: list[Map], times: np.ndarray) -> Trajectory:
 
 
 def _keyframes(frames: list[Splats], times: np.ndarray, holds: bool, place: str) -> Motion:
-    """`holds`: by curves that stay still where the frames beside them do, which those of two rates that go on don't."""
+    """A motion of keyframes. `holds`: by curves that are constant between equal frames; splines with rates aren't."""
     counts = sorted({len(one.mean) for one in frames})
     if len(counts) > 1:
         raise Unsupported(f"{place}: has {counts[0]} to {counts[-1]} particles over time: Gaussians neither come nor go here")
@@ -220,7 +221,7 @@ def _add(scene: Scene, prim: Any, clock: _Clock, transfer: tuple[str, float]) ->
 
 
 def _shown(prim: Any) -> bool:
-    """A splat prim that is drawn: not hidden, no stand-in, no copy for an instancer."""
+    """Whether a splat prim is drawn: it isn't hidden, a stand-in, or a prototype of an instancer."""
     if prim.GetTypeName() != _TYPE:
         return False
     for one in _branch(prim):
@@ -244,7 +245,7 @@ def _open(file: str | os.PathLike[str]) -> Any:
 
 
 def metres_per_unit(file: str | os.PathLike[str]) -> float:
-    """The stage's metersPerUnit, for scene.metres_per_unit; 0 where it says none (USD itself takes 0.01 then)."""
+    """The stage's metersPerUnit, for scene.metres_per_unit; 0 if it has none (USD's default is 0.01)."""
     stage = _open(file)
     return UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else 0.0
 
@@ -277,7 +278,7 @@ _SPACES |= {("gamma", g): f"g{10 * g:.0f}_rec709_scene" for g in (1.8, 2.2, 2.4)
 
 
 def _put(prim: Any, code: Any, half: bool, **arrays: np.ndarray) -> None:
-    """Arrays of a prim at a time, in float or half."""
+    """Writes arrays of a prim at a time, in float or half."""
     kinds = {"positions": "Point3", "scales": "Float3", "orientations": "Quat", "opacities": "Float", _HARMONICS: "Float3"}
     halves = {"Float3": "Half3", "Float": "Half"}
     for name, value in arrays.items():
@@ -299,19 +300,19 @@ def _put_gaussians(prim: Any, code: Any, half: bool, one: Gaussians, origin: np.
     opacity = 1 / (1 + np.exp(-one.opacity_logit.astype(np.float64)))
     _put(prim, code, half, positions=mean, scales=scale, orientations=quaternion[:, [1, 2, 3, 0]], opacities=opacity)
     _put(prim, code, half, **{_HARMONICS: one.sh.reshape(-1, 3)})
-    reach = 3 * scale.max(1, keepdims=True)  # what is drawn of a Gaussian
+    reach = 3 * scale.max(1, keepdims=True)  # drawn extent of a Gaussian
     extent = np.array([(mean - reach).min(0), (mean + reach).max(0)], np.float32)
     prim.GetAttribute("extent").Set(Vt.Vec3fArray.FromNumpy(extent), code)
 
 
 def _frames(start: float, stop: float, more: Iterable[float], fps: float) -> list[float]:
-    """Times [s] from 0 on at which something that moves is written."""
+    """Times [s] from 0 on at which a moving object is written."""
     start = max(start, 0.0)
     return sorted({start, stop, *(one for one in more if start <= one <= stop), *(np.arange(np.ceil(start * fps), stop * fps) / fps).tolist()})
 
 
 def _place_object(prim: Any, one: SceneObject, origin: np.ndarray, fps: float) -> float:
-    """Its trajectory and scale as the prim's transform; the last time [s] of it."""
+    """Writes an object's trajectory and scale as the prim's transform; returns its last time [s]."""
     form, path, last = UsdGeom.Xformable(prim), one.trajectory, 0.0
     if path is not None:
         shift, turn = form.AddTranslateOp(), form.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
@@ -337,7 +338,7 @@ def _write_object(stage: Any, name: str, scene: Scene, index: int, half: bool, f
     if space is None:
         raise Unsupported(f"{one.name}: OpenUSD names no colour space of a gamma of {one.gaussians.gamma:g}: 1.8, 2.2 and 2.4 alone")
     prim.CreateAttribute(_DEGREE, Sdf.ValueTypeNames.Int, False, Sdf.VariabilityUniform).Set(one.gaussians.sh_degree)
-    wide = one.gaussians.mean.dtype == np.float64  # positions are floats: what those can't hold goes into the transform
+    wide = one.gaussians.mean.dtype == np.float64  # positions are floats: the transform gets the rest
     origin = np.round(np.median(one.gaussians.mean, axis=0)) if wide else np.zeros(3)
     last = _place_object(prim, one, origin, fps)
     if one.motion is None:
@@ -352,7 +353,7 @@ def _write_object(stage: Any, name: str, scene: Scene, index: int, half: bool, f
 
 
 def _stand(stage: Any, scene: Scene) -> Any:
-    """The prim that all objects are below, so that up is one of the two axes that a stage may name."""
+    """The prim above all objects. It turns up to an axis that a stage can name."""
     world = UsdGeom.Xform.Define(stage, "/World")
     stage.SetDefaultPrim(world.GetPrim())
     if scene.up is None:
@@ -383,9 +384,10 @@ def _fill(stage: Any, scene: Scene, units: float, half: bool, fps: float) -> Non
 
 
 def write(file: str | os.PathLike[str], scene: Scene, metres_per_unit: float = 0.0, half: bool = False, fps: float = _CODES_PER_SECOND) -> None:
-    """Writes a scene as .usda, .usdc, .usd or .usdz, an object a prim below /World, in float or `half`. What moves is written at
-    `fps` frames a second from second 0 on, which other programs join by lines: a trajectory as a transform, a motion as arrays.
-    An up that is neither y nor z is turned to y. `metres_per_unit` 0: not known, and not said."""
+    """Writes a scene as .usda, .usdc, .usd or .usdz, with a prim below /World for each object, in float or `half`. Motion is
+    written at `fps` frames per second from second 0 on, which other programs join by lines: a trajectory as a transform, a
+    motion as arrays. If up is neither y nor z, the scene is turned so that it is y. `metres_per_unit` 0: unknown, and not
+    written."""
     file = os.fspath(file)
     name, ending = os.path.basename(file), os.path.splitext(file)[1]
     if ending not in _ENDINGS:
@@ -414,7 +416,7 @@ def _is_usd(file: str) -> bool:
 
 
 def _convert(given: argparse.Namespace) -> str:
-    """Reads and writes; what there is to say of it."""
+    """Reads and writes; returns messages."""
     check_apart([given.input], [given.output])
     transfer = "gamma" if given.gamma else given.transfer
     if _is_usd(given.input):
@@ -435,7 +437,7 @@ def _convert(given: argparse.Namespace) -> str:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """`python -m tides.usd IN OUT`: from USD to any scene file that TIDES writes, and from any that it reads to USD."""
+    """`python -m tides.usd IN OUT`: converts USD to any scene file that TIDES writes, and any that it reads to USD."""
     parser = argparse.ArgumentParser("python -m tides.usd", description=main.__doc__)
     parser.add_argument("input", metavar="IN")
     parser.add_argument("output", metavar="OUT")

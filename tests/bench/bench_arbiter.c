@@ -1,5 +1,5 @@
-/* Events per second through the readout arbiter on one core: where none waits, where some do, saturated, with
- * drops and jitter. */
+/* Events per second through the readout arbiter on one core: with no event waiting, some waiting, saturated, with drops, and
+ * with jitter. */
 #include "tides/readout.h"
 
 #include "td_random.h"

@@ -1,5 +1,5 @@
-/* How long the comparator takes: per quiet pixel, per busy pixel, per event; and the sort per event. Prints one line each;
- * not part of `make check`. */
+/* Time of the comparator per quiet pixel, per busy pixel and per event, and of the sort per event. Prints a line for each; not
+ * part of `make check`. */
 #include "sensor/td_sensor.h"
 #include "signal/td_event_sort.h"
 #include "td_base.h"

@@ -1,5 +1,5 @@
-/* How long the photoreceptor's filters take per pixel and step: the update, and update plus crossings; first-order filters one
- * by one and in a vector. Prints one line each; not part of `make check`. */
+/* Time of the photoreceptor's filters per pixel and step: the update, and update plus crossings; first-order filters one by one
+ * and in a vector. Prints a line for each; not part of `make check`. */
 #include "sensor/response/td_frontend.h"
 #include "td_base.h"
 

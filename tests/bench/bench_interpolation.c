@@ -1,11 +1,11 @@
-/* What interpolating rows is worth where a deformation network moves a scene, and what it costs (scene.interpolate_motion).
- * Then what looking events up adds.
+/* Gain and cost of interpolating rows where a deformation network moves a scene (scene.interpolate_motion), and of look-ups in
+ * addition.
  *   bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S] [TIME_ROWS]
- * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated without and with;
- * then by default, where events are looked up; in turns; best of the rounds.
- * Then how far their streams of events are from those without. Its planes have TIME_ROWS rows of random numbers: 75 as in that
- * configuration, whose training makes them smooth, with fewer the network has as few kinks. Last, for comparison, a model that
- * isn't interpolated because its rows are cheap: a polynomial's. */
+ * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long. 0.1 s of it are simulated without
+ * interpolation, with it, and by default with look-ups; in turns, and the best of the rounds counts. Then the streams of events
+ * are compared with those without interpolation. Its planes have TIME_ROWS rows of random numbers: 75 as in that configuration.
+ * Training makes planes smooth; with fewer rows random ones have as few kinks. Last comes a model that isn't interpolated
+ * because its rows are cheap: a polynomial's. */
 #include "td_base.h"
 #include "tests/support/model_steps.h"
 #include "tests/support/moving_scene.h"

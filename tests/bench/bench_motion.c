@@ -1,9 +1,10 @@
 /* Times Theta and Theta_dot of deformation networks on a device.
  *   bench_motion [DEVICE] [GAUSSIANS]
  * 4DGaussians with the sizes of its D-NeRF configuration and random weights: all Gaussians, 1 % of them, and the plain network
- * (plain_hexplane.h), batched as ours and one Gaussian per work-item. Then Deformable-3DGS's network. Every number is the best
- * of alternating rounds, beside what the device's fma units need for the same number of fma in the same rounds: on the clock,
- * and in processor time of all threads, by which shares and factors are taken since other work disturbs it least. */
+ * (plain_hexplane.h), batched as in the library and with one Gaussian per work-item. Then Deformable-3DGS's network. Every
+ * number is the best of alternating rounds, beside the time that the device's fma units need for as many fma in the same
+ * rounds. Both the clock and the processor time of all threads are given; ratios are of the latter, which other work disturbs
+ * least. */
 #include "tests/bench/plain_hexplane.h"
 #include "tests/support/motion_device.h"
 #include "tests/support/random_network.h"

@@ -1,7 +1,7 @@
-/* What a level of refinement costs beyond its tiles: rendering, unpacking and judging 1 % of the tiles against all of them.
+/* Cost of a level of refinement beyond its tiles: rendering, unpacking and judging 1 % of the tiles against all of them.
  *   bench_overhead [SCENE] [DEVICE]
- * Without SCENE: 20 000 random Gaussians that fill the view. At 346x260, seen from an orbit. Full frames and levels take turns;
- * the best of each is what the machine can do, the median what it did; compare numbers of one run only. */
+ * Without SCENE: 20 000 random Gaussians that fill the view. At 346x260, seen from an orbit. Full frames and levels take turns.
+ * The best of each is the machine's capability, the median what it did; compare numbers of one run only. */
 #include "render/td_renderer.h"
 #include "solver/td_simulator.h"
 #include "tests/support/model_steps.h"

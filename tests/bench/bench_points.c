@@ -1,6 +1,7 @@
-/* Exact points against frames: what one costs, in core seconds of this process, and what rows and lists of an interval do.
- * bench_points RUN.json [START [INTERVAL [POINTS [DEVICE [COMPARE]]]]] Points are where events are: anywhere in the interval,
- * at pixels as often as log_luminance changes there. Compare numbers of one run only. */
+/* Exact points against frames: the cost of a point, in core seconds of this process, and of an interval's rows and lists.
+ *   bench_points RUN.json [START [INTERVAL [POINTS [DEVICE [COMPARE]]]]]
+ * Points are where events are: anywhere in the interval, at pixels as often as log_luminance changes there. Compare numbers of
+ * one run only. */
 #include "render/td_render.h"
 #include "tides.h"
 #include "tests/support/scene_make.h"

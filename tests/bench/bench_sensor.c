@@ -1,5 +1,5 @@
-/* What each block of the sensor costs per pixel and step where hardly anything fires, beside ideal pixels; alternating,
- * so that a busy machine slows all alike. Prints one line each; not part of `make check`. */
+/* Cost of each block of the sensor per pixel and step, with few events, beside ideal pixels. Runs alternate, so that other load
+ * affects all alike. Prints a line for each; not part of `make check`. */
 #include "sensor/td_sensor.h"
 #include "td_base.h"
 

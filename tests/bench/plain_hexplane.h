@@ -1,5 +1,5 @@
-/* What bench_motion compares with, as OpenCL source behind the text of motion.cl: the device's fma limit, and 4DGaussians'
- * network as its equations stand, all six planes of every level sampled bilinearly for every Gaussian at every time. */
+/* OpenCL source that bench_motion compares with, appended to motion.cl: the device's fma limit, and 4DGaussians' network
+ * literally by its equations. All six planes of every level are sampled bilinearly for every Gaussian at every time. */
 #ifndef BENCH_PLAIN_HEXPLANE_H
 #define BENCH_PLAIN_HEXPLANE_H
 

@@ -1,5 +1,5 @@
-# Every command keeps the same promises: --json prints JSON alone, --quiet nothing, bars are for terminals, and a slip is answered
-# with the nearest right thing.
+# Promises of every command: --json prints JSON alone, --quiet prints nothing, progress bars appear on terminals only, and a
+# misspelt word is answered with the nearest valid one.
 make_scene
 expect 0 tides simulate run.json -qo events.h5
 expect 0 tides render run.json -qo frame.exr

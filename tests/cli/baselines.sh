@@ -1,4 +1,4 @@
-# Every method on a scene and on frames; frames come from the scene's own renders, so that both agree.
+# Every method on a scene and on frames. The frames are rendered from the scene, so that both agree.
 make_scene
 for method in tides esim v2e iebcs dvs-voltmeter; do
     expect 0 tides simulate run.json -q -o scene_$method.h5 --stats scene_$method.json --set method=$method \

@@ -1,5 +1,5 @@
-# A batch of small runs: a grid and a list, skipped, done again where something changed, failures at the end, shards; and
-# killed twice and gone on with, it leaves what an uninterrupted one leaves.
+# A batch of small runs: a grid and a list, skipped, repeated after changes, failures at the end, shards. Killed twice and
+# continued, it leaves the same files as an uninterrupted one.
 make_scene
 cat >grid.json <<-'JSON'
 	{ "base": "run.json", "set": { "sensor.threshold_off": 0.15 },

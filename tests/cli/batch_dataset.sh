@@ -1,5 +1,5 @@
-# A batch of datasets: one manifest makes several, each in another layout, with thresholds, paths and seeds drawn from ranges and
-# lists; finished ones are left alone, and what a killed one left is made anew.
+# A batch of datasets: one manifest makes several, each in another layout, with thresholds, paths and seeds drawn from ranges
+# and lists. Finished ones aren't changed, and a killed one is made again.
 make_scene
 awk '{ $2 *= 1.5; print }' path.txt >faster.txt
 cat >sets.json <<-'JSON'

@@ -1,4 +1,4 @@
-# Noise of drawn runs: each has its own, the same whenever it is drawn again, and a fixed seed only where one is written.
+# Noise of drawn runs: each has its own seed, equal whenever it is drawn again; a fixed seed only if one is written.
 make_scene
 printf '0 0 0 0 0 0 0 1\n0.2 0 0 0 0 0 0 1\n' >path.txt # at rest: all events are noise
 noisy() {

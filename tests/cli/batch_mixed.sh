@@ -1,5 +1,5 @@
-# One manifest of all that a run can be made into, by two processes at once in one folder, as machines with a shared one do: each
-# is what its command makes alone; what is finished is left alone, and what changed is made anew.
+# One manifest with every kind of output, done by two processes at once in one folder, like machines with shared storage. Each
+# output equals that of its command alone. Finished ones aren't changed, and runs that changed are made again.
 make_scene
 { printf 'YUV4MPEG2 W8 H6 F20:1 Ip Cmono\n'
     for level in 040 120 200; do

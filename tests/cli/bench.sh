@@ -1,4 +1,4 @@
-# A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
+# Benchmarks write tables that agree with each other, and pictures; they refuse wrong options, and stop on request.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
 refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, calibrate, determinism, live, sensors, stability and all" \
     tides bench speed
@@ -175,12 +175,25 @@ missing stopped/accuracy.json
 # Live runs are told a pose every millisecond; every step has its latency.
 expect 0 tides bench calibrate --quick -o made
 less "$(value made/calibrate.json refused)" 0.5 "the first sensor, refused"
-expect 0 tides bench live --quick -o made
+cat >python <<'END'
+#!/bin/sh
+[ "$1 $2 $3 $5 $6" = "-m tides.ros2_bench --json --packets 10" ] || exit 1
+echo '[{"rate": 1e6, "packets": 10, "lost": 6, "events": 10000, "seconds": 0.02, "first_ms": 3, "ms": [1, 2, 3, 4]}]' >"$4"
+END
+chmod +x python
+TIDES_PYTHON=./python expect 0 tides bench live --quick -o made
 out "demo +tiles +10 "
+out "^1000 kev/s +ros2 +4 +2 +4 +4 +4 +3 +0.5 +1000$"
+grep -q "^1000 kev/s,ros2,4,.*,6$" made/live.csv || fail "live.csv lacks the feed's row"
 for key in median_ms p99_ms worst_ms first_ms events_per_step; do
     grep -q "\"$key\":[[:space:]]*[0-9.]*[1-9]" made/live.json || fail "live.json lacks $key"
 done
 exists made/live.png
+for python in "" false; do
+    TIDES_PYTHON=$python expect 0 tides bench live --quick --scene random -o feedless
+    err "the ROS 2 feed isn't in the table: .*pip install 'tides\[ros2\]'"
+    out "^random +default +10 "
+done
 
 # What each sensor costs, against the ideal one in turns.
 expect 0 tides bench sensors --quick -o made

@@ -1,4 +1,5 @@
-# The library measured by itself (tests/bench/own): stages, the limit, how cost grows, what makes the image continuous.
+# Benchmarks of the library itself (tests/bench/own): stages, the limit, growth of cost, measures that make the image
+# continuous.
 own_bench=$(dirname "$(realpath "$(command -v tides)")")/tests/bench/own_bench
 [ -x "$own_bench" ] || skip "$own_bench isn't built: make tests"
 own() { "$own_bench" "$@"; }

@@ -1,4 +1,5 @@
-# A sensor that was simulated is measured again, becomes a preset that a run takes, and a page; what doesn't fit is refused.
+# A simulated sensor is measured again, and becomes a preset that a run accepts, and a page. Recordings that don't fit are
+# refused.
 make_scene
 sensor="--set sensor.threshold_on=0.1 --set sensor.threshold_off=0.14 --set image.log_eps=0.05"
 expect 0 tides simulate run.json -o e.h5 $sensor

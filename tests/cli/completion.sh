@@ -1,5 +1,5 @@
 #!/bin/bash
-# Completions and man pages, made from the tables: every command and option is in them, and they are sound.
+# Completions and man pages, made from the tables: they contain every command and option, and are valid.
 expect 0 tides help --bash
 [ ! -s err ] || fail "it should print the completion only"
 cp out tides.bash

@@ -1,4 +1,4 @@
-# A dataset's folder: there whole or not at all, of every camera of the rig, and each wrong input in one line.
+# A dataset's folder appears whole or not at all, with every camera of the rig. Each wrong input gives one line.
 make_scene
 metric="--set scene.metres_per_unit=0.5 --set dataset.truth_hz=20"
 expect 0 tides dataset run.json -o one --layout ecd --quiet $metric

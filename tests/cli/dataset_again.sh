@@ -1,5 +1,5 @@
 #!/bin/bash
-# A dataset that was stopped, or that died, goes on from the events that are there, and ends as one made in one piece.
+# A dataset that was stopped, or whose process died, continues from the events that are there, and equals one made at once.
 make_scene
 awk 'BEGIN { for (i = 0; i <= 600; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
 set -m # so that jobs don't start with SIGINT ignored

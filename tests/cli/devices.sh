@@ -1,4 +1,4 @@
-# What exists is listed; what doesn't exist is an error that lists what does.
+# Devices are listed; a name that matches none is an error that lists them.
 unset TIDES_DEVICE
 make_scene
 expect 0 tides devices --device reference

@@ -1,5 +1,5 @@
-# A run from a TUM path at epoch times: every length of it ends well, its events are those of the same run near 0, it goes on
-# with --resume, and every command works on its files.
+# Runs from a TUM path at epoch times: every length works, events equal those of the same run near 0, --resume works, and so
+# does every command on its files.
 make_scene
 epoch=1305031102
 path() { # path ZERO FILE

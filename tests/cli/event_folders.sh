@@ -1,4 +1,4 @@
-# Folders of data sets: info says what they hold, convert makes one file of them, and what is ambiguous is asked for.
+# Folders of data sets: info tells their content, convert makes one file of them, and ambiguous ones need an option.
 make_scene
 expect 0 tides simulate run.json -q -o events.h5
 mkdir -p dsec/events/left ergb/events ergb/images

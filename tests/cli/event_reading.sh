@@ -1,5 +1,5 @@
-# How event files are read where they don't say it: columns, units, streams, the zero, windows of another clock, invalid events.
-# Each file is one that other tools write; the truth is 400 events, 346 x 260 px, 0.02 s.
+# Reading event files that don't tell it themselves: columns, units, streams, the zero, windows of another clock, invalid
+# events. Each file has a form that other tools write; the truth is 400 events, 346 x 260 px, 0.02 s.
 awk 'BEGIN { srand(5); t = 1000
     for (i = 0; i < 400; i++) { t += int(100 * rand()); printf "%d,%d,%d,%d\n", t, 346 * rand(), 260 * rand(), 2 * rand() } }' >t.csv
 { echo "t,x@346,y@260,on"; cat t.csv; } >truth.csv
@@ -69,7 +69,7 @@ printf '#usda 1.0\n' >scene.usda
 refuse 1 "scene.usda: is an OpenUSD scene.*python -m tides.usd scene.usda scene.h5" tides info scene.usda
 refuse 1 "scene.usda: is an OpenUSD scene.*python -m tides.usd scene.usda scene.h5" tides simulate scene.usda -o x.h5
 echo '{}' >a.lcc2
-refuse 1 "a.lcc2: is an LCC 2 scene.*splat-transform" tides info a.lcc2
+refuse 1 "a.lcc2: is no LCC2 scene: its totalLevels" tides info a.lcc2
 
 # What nothing decides, somebody says.
 columns , 'print 7919 * NR * NR % 1000003, $2, $3, $4' >shuffled.csv

@@ -1,4 +1,4 @@
-# Event files of every format: simulated, converted there and back, cut, told about.
+# Event files of every format: simulated, converted there and back, cut, described.
 make_scene
 expect 0 tides simulate run.json -q -o e.h5
 expect 0 tides info --json e.h5

@@ -1,10 +1,10 @@
-/* LD_PRELOAD: lets chosen calls of OpenCL fail, one by one, and counts what is made and released. By the environment:
+/* LD_PRELOAD: makes chosen calls of OpenCL fail, one by one, and counts objects that are made and released. Environment:
  *
  *   FAULT_AT     which call fails, from 1; 0: none, they are counted only
  *   FAULT_COUNT  at the end, appends a line to this file: how many calls there were, how many objects are left, and which call
  *                failed
  *
- * What releases something releases it, whatever it says: an object isn't left because of the shim. */
+ * A call that releases an object releases it even if it reports failure: the shim itself leaves no objects. */
 #undef CL_TARGET_OPENCL_VERSION /* the sources' own, where lint reads this as one of them */
 #define CL_TARGET_OPENCL_VERSION 200
 #define CL_USE_DEPRECATED_OPENCL_1_2_APIS

@@ -1,15 +1,15 @@
-/* LD_PRELOAD: lets chosen calls of a program fail, one by one. What and when is said by the environment:
+/* LD_PRELOAD: makes chosen calls of a program fail, one by one. Environment:
  *
  *   FAULT_CALL   write (descriptors and streams, and claiming space), fsync, rename, close, or memory
  *   FAULT_AT     which of them, from 1; 0: none, they are counted only
- *   FAULT_NEAR   only those of files whose path has this in it (rename: the source)
- *   FAULT_AFTER  1: all that come after fail too, as on a full disk
+ *   FAULT_NEAR   only those of files whose path contains this (rename: the source)
+ *   FAULT_AFTER  1: all later ones fail too, as on a full disk
  *   FAULT_WHO    of memory: asked for by ours (the tool, libtides), hdf5, opencl, others, or any
  *   FAULT_COUNT  at the end, appends a line to this file: memory calls of ours, hdf5, opencl, others, then those of FAULT_CALL
  *
- * A crash within HDF5 (or an exit that HDF5 takes) ends the process with code 99, any other with 98.
+ * A crash within HDF5 (or an exit by HDF5) ends the process with code 99, any other with 98.
  *
- * Streams don't write through what a program may replace: those that are opened for writing become streams of ours. */
+ * glibc's streams don't call the replaced write(): streams opened for writing are replaced by streams of this file. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
-# Calls of the system that fail, one after the other (fault_shim.c): one line, exit code 1, the file that was there is there, and
-# no .part, but for recordings whose line names it. All of them with TIDES_FAULTS=all, else some of each.
+# System calls that fail, one after the other (fault_shim.c): one line, exit code 1, the old file is still there, and no .part
+# is left, except for recordings whose message names it. All of them with TIDES_FAULTS=all, else some of each.
 ldd "$(command -v tides)" | grep -q asan && skip "the sanitiser's allocator wants to be the first"
 shim=$PWD/shim.so
 ${CC:-cc} -O1 -shared -fPIC -o "$shim" "$here/fault_shim.c" -ldl || skip "the shim needs glibc"

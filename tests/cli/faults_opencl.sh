@@ -1,6 +1,6 @@
-# Calls of OpenCL that fail, one after the other (fault_opencl.c): one line that says so and exit code 1, or the very events
-# where it did without; nothing that OpenCL made is left, no file is, and nobody crashes or waits. All calls with TIDES_FAULTS=all,
-# else some.
+# Calls of OpenCL that fail, one after the other (fault_opencl.c): one line about it and exit code 1, or the same events if the
+# run could go on without. No OpenCL object and no file is left, and no process crashes or hangs. All calls with
+# TIDES_FAULTS=all, else some.
 ldd "$(command -v tides)" | grep -q asan && skip "PoCL keeps what it has at exit"
 shim=$PWD/shim.so
 ${CC:-cc} -O1 -shared -fPIC -o "$shim" "$here/fault_opencl.c" -ldl || skip "the shim needs glibc"

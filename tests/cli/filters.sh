@@ -1,4 +1,4 @@
-# The filters of cameras: in a run and, the same, on what it wrote.
+# The filters of cameras: in a run, and with equal results on the run's recording.
 make_scene
 sets="--set sensor.threshold_on=0.05 --set sensor.threshold_off=0.05"
 expect 0 tides simulate run.json -qo all.h5 $sets

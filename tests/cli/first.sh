@@ -1,5 +1,4 @@
-# What somebody does first with a splat file that they have downloaded: a picture and events in two commands, then a run file and a
-# path of their own.
+# First steps with a downloaded splat file: a picture and events in two commands, then a run file and a path of the user's own.
 expect 0 tides scene plane --size 173x130 -o room.ply
 small="--set camera.width=80"
 expect 0 tides render room.ply -o look.png $small

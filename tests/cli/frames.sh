@@ -1,4 +1,4 @@
-# Frames, inertial measurements and tracks of a run: what is written, that seeds decide, and what is refused.
+# Frames, inertial measurements and tracks of a run: what is written, that seeds decide noise, and what is refused.
 make_scene
 expect 0 tides frames run.json -o blurred --set exposure.frames_per_second=100 --set exposure.exposure_s=0.01
 out '^frames +4$'

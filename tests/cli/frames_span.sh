@@ -1,4 +1,4 @@
-# Where a run of frames begins and ends, in every kind of file; that a part of an interval isn't lost; what is said of clocks and values.
+# Start and end of a run on frames, for every kind of file; events of partial intervals; messages about clocks and values.
 array() { ${PYTHON:-python3} - "$@" || fail "no array"; }
 # Seven frames of 8x6 px at 3 Hz, each pixel brighter from one to the next: as bytes, and as the same in [0, 1].
 array <<'PY'

@@ -1,5 +1,5 @@
-/* A disk that is full for all but logs, for batch.sh: preloaded, opening a file for writing whose name has "events" or
- * "summary" in it fails as it would there. */
+/* LD_PRELOAD for batch.sh: acts as a disk that is full except for logs. Opening a file for writing fails if its name contains
+ * "events" or "summary". */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,4 +1,5 @@
-# An IMU measures where the calibration has it: Kalibr's T_cam_imu and EuRoC's T_BS. Each as the body's path alone has it.
+# An IMU measures at the place that its calibration gives: Kalibr's T_cam_imu and EuRoC's T_BS. Measurements equal those of the
+# body's path.
 make_scene
 orbit='"orbit": { "target": [0, 0, 4], "up": [0, -1, 0], "radius": 4, "angular_speed": 2, "stop": 0.2 }'
 printf '{ "format": "tides-path", "version": 1, %s }' "$orbit" >body.json

@@ -1,4 +1,4 @@
-# Scenes there and back, and what info says of every kind of file.
+# Scenes converted there and back, and info on every kind of file.
 make_scene
 expect 0 tides info scene.ply
 out "^kind +scene"

@@ -1,4 +1,4 @@
-# A run file to begin with: it holds keys with their defaults and what they do, and runs as it is.
+# A new run file: it has keys with their defaults and explanations, and runs unchanged.
 make_scene
 expect 0 tides init -o new.json --scene scene.ply --camera path.txt
 out "new.json: tides simulate new.json"

@@ -1,4 +1,4 @@
-# A request to stop ends the run cleanly: exit 1, one line, and the events so far stay readable in the .part file.
+# A request to stop ends the run: exit 1, one line, and the events so far stay readable in the .part file.
 make_scene
 awk 'BEGIN { for (i = 0; i <= 4000; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.2 * sin(i * 0.15) }' >path.txt
 set -m # so that the job doesn't start with SIGINT ignored

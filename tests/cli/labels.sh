@@ -1,4 +1,4 @@
-# Labels: columns beside the events where asked for, the same after an interruption; refused where they have no place.
+# Labels: columns beside the events on request, equal after an interruption; refused for formats that can't hold them.
 make_scene
 narrow="--set readout.enabled=true --set readout.tick_s=2e-5 --set readout.k0=1"
 filter="--set frontend.photoreceptor_cutoff_hz=200"

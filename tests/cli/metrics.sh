@@ -1,4 +1,4 @@
-# Two streams compared: as a table, as JSON, parts of it, and what can't be compared.
+# Comparing two streams: as a table, as JSON, parts of it, and streams that can't be compared.
 make_scene
 expect 0 tides simulate run.json -q -o a.h5
 expect 0 tides simulate run.json -q -o b.h5 --set sensor.threshold_on=0.25

@@ -1,4 +1,4 @@
-# Files that aren't there are named.
+# Errors about missing files name them.
 make_scene
 refuse 1 "none.json: can't be opened" tides simulate none.json -o e.h5
 refuse 1 "none.json: can't be opened" tides render none.json -o f.exr

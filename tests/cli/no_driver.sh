@@ -1,4 +1,4 @@
-# A driver that is installed and can't start isn't "none installed": each reason is told apart, with its remedy.
+# A driver that is installed but can't start isn't reported as missing: each reason has its own message, with its remedy.
 unset TIDES_DEVICE
 make_scene
 mkdir none entries broken old full

@@ -1,4 +1,4 @@
-# A machine without OpenCL: said clearly, and the reference works all the same.
+# A machine without OpenCL: an error tells so, and the reference works.
 unset TIDES_DEVICE
 make_scene
 mkdir empty

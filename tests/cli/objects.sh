@@ -1,4 +1,4 @@
-# A scene made of objects only, one of them moving; a motion that is too short is named.
+# A scene made only of objects, one of them moving. The error for a motion that is too short names the object.
 make_scene
 printf '0 0 0 0 0 0 0 1\n0.04 0.3 0 0 0 0 0 1\n' >motion.txt
 printf '0 0 0 0 0 0 0 1\n' >still.txt

@@ -1,4 +1,4 @@
-# The same on an OpenCL device, where there is one: about the events of the reference.
+# A run on an OpenCL device, if there is one: nearly the events of the reference.
 make_scene
 expect 0 tides devices --json
 grep -q '"index":[[:space:]]*[0-9]' out || skip "no OpenCL device here"

@@ -1,5 +1,5 @@
-# A page of events (tides view -o OUT.html): what the tool says of it, and refuses. What it holds and does in a browser is
-# tests/python/package/test_page.py's.
+# The page of events (tides view -o OUT.html): the tool's messages and refusals. tests/python/package/test_page.py tests its
+# content and its behaviour in a browser.
 
 make_scene
 expect 0 tides simulate run.json -o e.h5 --set sensor.truth=true -q

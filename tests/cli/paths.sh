@@ -1,4 +1,4 @@
-# Camera paths that can't serve: unsorted, doubled, too short, not a number.
+# Camera paths that aren't valid: unsorted, doubled, too short, not a number.
 make_scene
 path() { printf "$2" >path.txt; refuse 1 "$1" tides simulate run.json -o e.h5; }
 path "path.txt" '0 0 0 0 0 0 0 1\n0.04 0 0 0 0 0 0 1\n0.02 0 0 0 0 0 0 1\n'

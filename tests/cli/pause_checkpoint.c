@@ -1,5 +1,5 @@
-/* LD_PRELOAD: a process stands still (SIGSTOP) once its first checkpoint is in place. It is then within its run, however fast
- * the run and however slow whoever waits to interrupt it. With PAUSE_ONCE=FILE only the process that makes that file does. */
+/* LD_PRELOAD: stops a process (SIGSTOP) when its first checkpoint is in place. It is then within its run, however fast the run
+ * is, when the test interrupts it. With PAUSE_ONCE=FILE only the process that creates that file stops. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-# Links that somebody else has put where a command writes, as anybody can in a folder that all may write: nothing goes through them.
+# Links that another user has put in a shared folder where a command writes: nothing is written through them.
 make_scene
 intact() { [ "$(cat victim)" = ours ] || fail "$1 went through a link"; [ ! -e nowhere ] || fail "$1 made what a link leads to"; }
 planted() { # PART COMMAND...: refused with one line that names the part

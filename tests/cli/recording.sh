@@ -1,4 +1,5 @@
-# A recording as datasets come: what info says of the folder, the run file that init makes of it, and what frames and paths lack.
+# A recording in the form of a downloaded dataset: info on its folder, the run file that init makes of it, and missing frames
+# and paths.
 make_scene
 expect 0 tides dataset run.json -o seq --layout ecd --quiet --set scene.metres_per_unit=1 --set dataset.picture_hz=200 --set exposure.exposure_s=0
 exists seq/events.txt

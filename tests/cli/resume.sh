@@ -1,4 +1,4 @@
-# A run that is interrupted, by Ctrl-C or by kill -9, goes on with --resume and ends with the very events of a run in one piece.
+# A run interrupted by Ctrl-C or by kill -9 continues with --resume, and gives the same events as a run without interruption.
 make_scene
 awk 'BEGIN { for (i = 0; i <= 400; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
 set -m # so that jobs don't start with SIGINT ignored

@@ -1,4 +1,4 @@
-# Scenes that the tool makes: listed, made, described, and simulated from the run file that comes with them.
+# Scenes that the tool makes: listed, made, described, and simulated from their run files.
 expect 0 tides scene --list
 for kind in fan pendulum balls plane crowd disc; do out "^  $kind +[a-z]"; done
 expect 0 tides scene --list --json

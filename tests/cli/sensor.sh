@@ -1,4 +1,4 @@
-# Noise, presets and the readout from the command line: what is asked for happens, is counted, and survives an interruption.
+# Noise, presets and the readout from the command line: they take effect, are counted, and survive an interruption.
 make_scene
 expect 0 tides simulate run.json -o clean.h5 --json
 cp out clean.json

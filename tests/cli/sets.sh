@@ -1,4 +1,4 @@
-# Paths in --set are of the shell's folder where it has them, else of the run file's; and presets as files of their own.
+# Paths in --set are relative to the shell's folder if they exist there, else to the run file's; and presets as users' files.
 make_scene
 mkdir sub
 mv run.json path.txt scene.ply sub/

@@ -1,4 +1,4 @@
-# From a run file to events, statistics and a preview, and back through info.
+# From a run file to events, statistics and a preview, and info on the results.
 make_scene
 expect 0 tides simulate run.json -o e.h5 --stats s.json --preview p.png
 out "^events +[0-9]"

@@ -1,4 +1,4 @@
-# Nothing moves: no events, and a file that says so.
+# A scene at rest: no events, and a valid file.
 make_scene
 printf '0 0 0 0 0 0 0 1\n' >path.txt
 expect 0 tides simulate run.json -o e.h5

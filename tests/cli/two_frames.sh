@@ -1,4 +1,5 @@
-# Scene and cameras in two frames: nerfstudio's dataparser_transforms.json joins them wherever it lies, and is missed in a line.
+# Scene and cameras in two coordinate frames: nerfstudio's dataparser_transforms.json joins them wherever it lies, and an error
+# tells if it is missing.
 make_scene
 # The scene's cameras in the data's frame: x' = scale (R x + t), with R a quarter turn about z; what was applied before counts too.
 poses() { # rows of the first pose; of the second one a step to its right

@@ -1,4 +1,4 @@
-# Outputs that can't be written are told at once, before the work.
+# Outputs that can't be written are reported at once, before any work.
 make_scene
 refuse 1 "none/e.h5" tides simulate run.json -o none/e.h5
 refuse 1 "none/s.json: can't be written" tides simulate run.json -o e.h5 --stats none/s.json

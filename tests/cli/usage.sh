@@ -1,4 +1,4 @@
-# Wrong command lines: exit 2, one line, a suggestion where a slip is likely.
+# Wrong command lines: exit 2, one line, with a suggestion for likely misspellings.
 expect 2 tides
 err "^tides: a command is missing; see tides --help$"
 for line in "demo -o demo" "simulate scene.ply -o events.h5" "view events.h5 -o events.png"; do out "^    tides $line  "; done

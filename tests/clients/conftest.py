@@ -1,4 +1,4 @@
-"""Streams and the files made of them, each made once."""
+"""Streams for the tests of clients, and files made of them, each made once."""
 
 import os
 

@@ -1,4 +1,5 @@
-"""How each dataset's own published code reads it: the same files, keys, windows and decodings, with what each asserts."""
+"""Reads each dataset as its own published code does: the same files, keys, windows and decodings, with that code's
+assertions."""
 
 import math
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Random event streams that look for a format's weak places: columns t [us], x, y [px], p (0, 1) in order of t, y, x, p."""
+"""Random event streams at a format's limits: columns t [us], x, y [px], p (0, 1) in order of t, y, x, p."""
 
 import numpy as np
 

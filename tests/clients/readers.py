@@ -1,4 +1,4 @@
-"""How each client reads a file: functions of its path and its sensor's size that give columns t [us], x, y, p."""
+"""A reader of event files for each client: a function of path and sensor size that returns columns t [us], x, y, p."""
 
 import numpy as np
 import pytest

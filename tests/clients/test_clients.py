@@ -1,5 +1,5 @@
-"""Every format that tides writes, read by the clients that people have, event for event; and their known defects, asserted so
-that a mended client is noticed. Versions: requirements.txt. scripts/client_tests.sh runs this."""
+"""Every format that tides writes, read by other people's clients, event for event. Their known defects are asserted, so that
+the test notices when one is mended. Versions: requirements.txt. scripts/client_tests.sh runs this."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Datasets, read by the clients that people have: evlib for ECD's text and DSEC's HDF5; the mcap and rosbags packages for bags."""
+"""Datasets, read by other people's clients: evlib for ECD's text and DSEC's HDF5; the mcap and rosbags packages for bags."""
 
 import json
 

@@ -1,5 +1,5 @@
-"""Each layout read as its published code reads it (loaders.py): with a rig, a lens, one camera, one pixel, without an event, at
-an absolute time. What is read is what was written."""
+"""Each layout, read as its published code reads it: with a rig, a lens, one camera, one pixel, without an event, at an
+absolute time. The content must equal what was written."""
 
 import loaders
 import numpy as np

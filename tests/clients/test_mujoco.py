@@ -1,4 +1,5 @@
-"""MuJoCo's loop: where a body is on the image, by MuJoCo's own projection; velocities; events of a replay; a ball caught."""
+"""MuJoCo's loop: a body's place in the image by MuJoCo's own projection, velocities, events of a replay, and catching a
+ball."""
 
 import json
 import sys

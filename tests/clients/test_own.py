@@ -1,4 +1,5 @@
-"""The same streams read by tides itself, and the rules of its writers: floored times, collapses counted, little memory."""
+"""The streams of the client tests, read by tides itself, and the rules of its writers: times rounded down, collapses counted,
+little memory."""
 
 import json
 import os

@@ -1,11 +1,13 @@
 """The window to fly in: its flight, the runs behind it, who may drive it, and the page in headless Chromium, which is skipped
-without one. TIDES_PAGE_PICTURES=FOLDER keeps pictures of it to look at."""
+without one. TIDES_PAGE_PICTURES=FOLDER takes the guide's picture anew: `-k picture` is that alone."""
 
 import asyncio
 import json
 import os
 import re
 import shlex
+import signal
+import socket
 import subprocess
 import sys
 import time
@@ -181,12 +183,63 @@ def test_refusals(scene, tmp_path):
     with pytest.raises(ValueError, match="nothing is recorded"):
         world.keep()
     world.close()
+    (tmp_path / "list.json").write_text("[1]")
+    (tmp_path / "broken.json").write_text("{")
+    short = tides.Scene()
+    short.add(tides.Scene(scene)[0].gaussians, tides.Trajectory([0.0, 0.03], [(0, 0, 0), (0.1, 0, 0)], [(1, 0, 0, 0)] * 2))
+    short.save(tmp_path / "short.h5")
+    taken = socket.create_server(("127.0.0.1", 0))
     for arguments, words in [
         ([], "a scene or a run file is needed"), ([scene, "--size", "9"], "WxH"), ([scene, "--rate", "0"], "above 0"),
+        ([tmp_path / "list.json"], "list.json: is no run file"), ([tmp_path / "broken.json"], "broken.json: is no run file"),
+        ([tmp_path / "short.h5"], "lasts 0.03 s"), ([scene, "--bench", "0"], "--bench 0"), ([scene, "--rate", "inf"], "above 0"),
+        ([scene, "--port", "99999"], "0 (any) to 65535"), ([scene, "--size", "8x6", "--port", taken.getsockname()[1]], "in use"),
+        ([scene, "--size", "0x6"], "camera.width = 0"), ([scene, "--size", "100000x6"], "camera.width = 100000"),
         ([tmp_path / "none.ply"], "none.ply"), ([scene, "--set", "x"], "KEY=VALUE"), ([scene, "--set", "sensor.nope=1"], "nope"),
     ]:  # fmt: skip
         done = subprocess.run([sys.executable, "-m", "tides.play", *map(str, arguments)], capture_output=True, text=True)
         assert done.returncode != 0 and words in done.stderr and "Traceback" not in done.stderr, done.stderr
+
+
+def test_pictures_a_second(scene):
+    """A row for each way to fly, of numbers above 0."""
+    command = [sys.executable, "-m", "tides.play", str(scene), "--size", "32x24", "--bench", "2"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    rows = [line.split() for line in done.stdout.splitlines()[1:]]
+    assert [row[0] for row in rows] == ["circling", "ahead", "sideways", "turning"]
+    assert all(float(one) > 0 for row in rows for one in row[1:5]) and done.stderr == ""
+
+
+@pytest.mark.parametrize("end", ["closed", "interrupted"])
+def test_a_recording_is_kept_where_the_run_ends(scene, tmp_path, end):
+    """The page is closed, or Ctrl-C pressed, while it runs: what was recorded is said, and made again by its lines."""
+    command = [sys.executable, "-m", "tides.play", str(scene), "--no-browser", "--out", str(tmp_path / "kept"), "--size", "64x48"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    async def record():
+        origin, token = process.stdout.readline().strip().split("/#")
+        async with client.connect(f"{origin.replace('http', 'ws')}/live", origin=origin) as socket:
+            await socket.send(token)
+            await socket.send(json.dumps({"do": "record"}))
+            while isinstance(said := await asyncio.wait_for(socket.recv(), 60), str) or b'"recording": true' not in said:
+                pass
+            for _ in range(5):
+                await asyncio.wait_for(socket.recv(), 60)
+            if end == "interrupted":
+                process.send_signal(signal.SIGINT)
+                await asyncio.to_thread(process.wait, 60)
+
+    try:
+        asyncio.run(record())
+        said, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 0 and errors == ""
+    folder = next((tmp_path / "kept").iterdir())
+    lines = [line.strip() for line in said.splitlines()[-2:]]
+    assert f"are in {folder}" in said and tides.events_summary(folder / "events.h5").count > 50
+    assert event_hash(folder / "events.h5") == again({"folder": folder, "lines": lines})
 
 
 def test_without_the_package_it_says_how_to_have_it(scene):
@@ -313,7 +366,7 @@ def test_wrong_messages_are_said_and_change_nothing(scene, tmp_path):
 
 @browser
 def test_the_window_in_a_browser(scene, tmp_path):
-    profile, pictures = tmp_path / "profile", os.environ.get("TIDES_PAGE_PICTURES")
+    profile = tmp_path / "profile"
     profile.mkdir()
     command = [sys.executable, "-m", "tides.play", str(scene), "--no-browser", "--out", str(tmp_path), "--size", "64x48", "--alone", "120", "--preset", "ideal"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -345,8 +398,6 @@ def test_the_window_in_a_browser(scene, tmp_path):
             page.wait("state.facts.events > 20")
             page.wait(f"{red_blue} > {quiet} + 10")
             later()
-            if pictures:
-                page.picture(Path(pictures) / "play.png")
             page.send("Input.dispatchKeyEvent", type="keyUp", key="d", code="KeyD")
             moved = json.loads(page.do(place))
             assert np.linalg.norm(np.subtract(moved, json.loads(still))) > 0.05
@@ -397,3 +448,33 @@ def test_a_page_of_another_origin_cant_drive_it(scene, tmp_path):
         return said
 
     assert drive(scene, tmp_path, script) == "closed 1006"
+
+
+@browser
+@pytest.mark.skipif(not os.environ.get("TIDES_PAGE_PICTURES"), reason="TIDES_PAGE_PICTURES=FOLDER takes docs/play.png there")
+def test_the_guides_picture(tmp_path):
+    profile = tmp_path / "profile"
+    profile.mkdir()
+    make = [os.environ["TIDES"], "scene", "fan", "--size", "346x260", "--speed", "0.02", "--duration", "60", "-q", "-o", "fan.h5", "--run", "fan.json"]
+    subprocess.run(make, check=True, cwd=tmp_path)
+    command = [sys.executable, "-m", "tides.play", str(tmp_path / "fan.json"), "--no-browser", "--out", str(tmp_path), "--alone", "120"]
+    process = subprocess.Popen([*command, "--preset", "davis346"], stdout=subprocess.PIPE, text=True, cwd=tmp_path)
+    try:
+        with Chromium(process.stdout.readline().strip(), profile, limit=300) as page:
+            page.send("Emulation.setDeviceMetricsOverride", width=1360, height=940, deviceScaleFactor=1, mobile=False)
+            page.wait("window.state && state.pictures > 3")
+            for name, value in [("speed", -1), ("fade", -0.4)]:
+                for kind in ("input", "change"):
+                    page.do(f"(e => {{ e.value = {value}; e.dispatchEvent(new Event('{kind}')); }})(document.getElementById('{name}'))")
+            page.click("#record")
+            page.wait("state.recording")
+            page.do("view.focus()")
+            for pictures in (12, 30):  # at rest, where the fan alone gives events; then around it
+                page.key("o", code="KeyO")
+                count = page.do("state.pictures")
+                page.wait(f"state.pictures > {count + pictures}")
+            page.picture(Path(os.environ["TIDES_PAGE_PICTURES"]) / "play.png")
+            assert page.errors == []
+    finally:
+        process.kill()
+        process.wait()

@@ -1,10 +1,11 @@
-"""ROS 2's topics without ROS: bytes as rosbags has them from the published definitions, and a second process that hears a run on the
-loopback interface alone, and flies one."""
+"""ROS 2's topics without ROS: bytes as rosbags makes them from the published definitions. A second process receives a run on
+the loopback interface alone, and flies one."""
 
 import json
 import subprocess
 import sys
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -116,6 +117,18 @@ def decoded(words):
         else:
             raise AssertionError(hex(word))
     return np.array(rows, np.int64).reshape(-1, 4)
+
+
+def test_latency_and_rate(tmp_path):
+    """The rows that `tides bench live` puts in its table: sorted latencies of all packets that came, at each rate."""
+    command = [sys.executable, "-m", "tides.ros2_bench", "--packets", "20", "--json", str(tmp_path / "rows.json")]
+    subprocess.run(command, check=True, timeout=240)
+    rows = json.loads((tmp_path / "rows.json").read_text())
+    assert [row["rate"] for row in rows] == [1e5, 1e6, 5e6]
+    for row in rows:
+        assert row["packets"] == 20 and row["events"] == pytest.approx(20e-3 * row["rate"]) and row["seconds"] >= 19e-3
+        assert row["lost"] == 0 and len(row["ms"]) == 20 and row["ms"] == sorted(row["ms"])
+        assert 0 < row["ms"][0] < 5000 and row["first_ms"] in row["ms"] and 2 < row["bytes_per_event"] < 12
 
 
 @pytest.mark.parametrize("n, span", [(0, 1), (1, 1), (2000, 10), (2000, 10**6), (2000, 10**8), (300, 10**9)])
@@ -284,8 +297,41 @@ def test_a_second_process_flies_the_camera(room, twists, axes):
     assert all(np.array_equal(events[name], wanted[name]) for name in "xy") and np.array_equal(events["p"], wanted["p"] > 0)
 
 
+def test_poses_that_cant_be_are_left_out(room):
+    """NaN, no rotation, the past, another clock's future, half a turn: each is said, and the events are those of the other poses."""
+    bus = tides.ros2.Bus(DOMAIN + 2, loopback=True)
+    node = tides.ros2.Node(tides.Session(room), bus, clock=False)
+    follower, writer = tides.ros2.Follower(node), bus.writer("event_camera/pose", messages.PoseStamped)
+    began, count, nan = 1_700_000_000 * 10**9, 0, float("nan")
+    good = (0.0, 0.0, 0.0, 1.0)
+    cases = [
+        (0, (nan, 0.0, -4.0), good, "finite"), (1, (0.0, 0.0, -4.0), (0.0,) * 4, "rotation"), (2, (0.0, 0.0, -4.0), good, None),
+        (3, (0.03, 0.0, -4.0), (0.0, nan, 0.0, 1.0), "finite"), (12, (0.03, 0.0, -4.0), good, None), (7, (0.1, 0.0, -4.0), good, "past it"),
+        (10**9, (0.2, 0.0, -4.0), good, "at most 60 s"), (15, (0.2, 0.0, -4.0), (0.0, 1.0, 0.0, 0.0), "turn"),
+        (22, (0.06, 0.0, -4.0), good, None),
+    ]  # fmt: skip
+    for ms, place, turned, words in cases:
+        pose = messages.Pose(messages.Point(*place), messages.Quaternion(*turned))
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            writer.write(messages.PoseStamped(messages.header(began + 1_000_000 * ms, "world"), pose))
+            for _ in range(10):
+                count += follower.spin(0.1)
+        texts = [str(one.message) for one in said]
+        assert len(texts) == (1 if words else 0) and all(words in one and "left out" in one for one in texts), texts
+    with tides.Live(room) as live:
+        live.tell(((0, 0, -4), (1, 0, 0, 0)), live.time)
+        wanted = sum(len(live.step(((x, 0, -4), (1, 0, 0, 0)), 0.01)) for x in (0.03, 0.06))
+    assert count == wanted > 20
+    with pytest.raises(OSError, match="can't be joined"):
+        tides.ros2.Bus(DOMAIN + 2, loopback=True)
+    follower.close()
+
+
 def test_wrong_use_says_so(room, tmp_path):
     for arguments, words in [
+        ([room, "--period", "0"], "--period 0"), ([room, "--speed", "-1"], "--speed -1"), ([room, "--images", "nan"], "--images nan"),
+        ([room, "--poses", "--gap", "0"], "--gap 0"), ([room, "--name", "a b"], "topics begin with"),
         ([tmp_path / "none.json"], "none.json"), ([room, "--set", "x"], "KEY=VALUE"), ([room, "--domain", "300"], "0 to 232"),
         ([room, "--poses", "--axes", "up"], "none of"), ([room, "--set", "time.start=-1"], "-1"),
     ]:  # fmt: skip

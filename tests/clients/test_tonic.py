@@ -1,5 +1,5 @@
-"""tonic's own datasets: DSEC of our DSEC folder, MVSEC of a ROS 1 bag of our ROS 2 one. Files lie where its downloads unpack
-to, under the names of recordings that it knows."""
+"""tonic's own datasets: DSEC of a DSEC folder by tides, MVSEC of a ROS 1 bag made of tides' ROS 2 bag. Files lie where tonic's
+downloads would, under names of recordings that it knows."""
 
 import shutil
 import sys

@@ -1,5 +1,5 @@
-"""tides.usd against OpenUSD itself: scenes written by usd-core's own API read to the same numbers, wherever they are put, and
-what is written reads back. Harmonics are held against scipy's."""
+"""tides.usd against OpenUSD itself: scenes written by usd-core's API read to the same numbers, wherever prims are placed, and
+written scenes read back. Harmonics are compared with scipy's."""
 
 import subprocess
 import sys

@@ -1,4 +1,5 @@
-"""Small datasets in every layout, each with something that layouts stumble over, and what a renderer says at their times."""
+"""Small datasets in every layout, each with a feature that is difficult for a layout, and the renderer's values at their
+times."""
 
 import json
 from types import SimpleNamespace

@@ -1,5 +1,5 @@
-/* Images whose colours a decoder makes: rates equal central differences of the double reference under a moving camera, where
- * splats are and where only the decoder's background is; the OpenCL kernels equal single precision to the bit; such a scene is
+/* Images whose colours a decoder makes. Rates equal central differences of the double reference under a moving camera, on
+ * splats and where only the decoder's background is. The OpenCL kernels equal single precision to the bit. Such a scene is
  * refused beside others. */
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
-/* Rates of images of Gaussians that move by themselves against central differences of the double reference: the chain from a
- * model's own clock to pixels. Only what jumps is switched off (the stop); test_render_rates.c says how kinks are left out. */
+/* Rates of images of Gaussians that move by themselves, against central differences of the double reference: from a model's own
+ * clock to pixels. Jumps of the stop rule are switched off; pixels with kinks are found by their second differences, and left
+ * out. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,16 +1,16 @@
 /* Rates of the double reference against central differences of the double reference itself, on random scenes.
  *
- * A frame is rendered at t, t +- h/2 and t +- h from everything that moves (raw parameters, rigid objects, camera, backdrop):
- * the whole chain from trajectories and activations to pixels is differenced. Richardson's extrapolation of the two central
- * differences has an error of O(h^4), some 1e-12 here, and rounding puts in 1e-16 / h, at most 1e-10. 1e-6 of the largest rate
- * of a plane is asked.
+ * A frame is rendered at t, t +- h/2 and t +- h from everything that moves (raw parameters, rigid objects, camera, backdrop),
+ * so that the whole chain from trajectories and activations to pixels is differenced. Richardson's extrapolation of the two
+ * central differences has an error of O(h^4), some 1e-12 here, and rounding adds 1e-16 / h, at most 1e-10. The bound is 1e-6 of
+ * a plane's largest rate.
  *
- * A difference across a jump is no derivative, so what jumps is switched off: the hard cut at 1/255 and the tile rectangle of
- * inria and gsplat, and every stop (that of smooth drops what changes L by less than 1e-5; a jump of 1e-5 over 2 h looks like a
- * rate of 1). What is left, depth swaps (jumps), alpha_max and the clamps of SH and Jacobian (kinks), is found in the values
- * alone, per pixel: with S(h) = (f(t+h) - 2 f(t) + f(t-h)) / h, S(h) - 2 S(h/2) is O(h^3) where f is smooth, and of the size of
- * the kink where there is one within h. Such pixels are left out, counted, and must be few. The last test leaves everything
- * on: between its jumps an image has the same exact rates. */
+ * A difference across a jump is no derivative, so that jumps are switched off: the hard cut at 1/255 and the tile rectangle of
+ * inria and gsplat, and every stop. (The stop of smooth drops splats that change L by less than 1e-5; a jump of 1e-5 over 2 h
+ * looks like a rate of 1.) Depth swaps (jumps), alpha_max and the clamps of SH and Jacobian (kinks) remain, and are found in
+ * the values alone, per pixel. With S(h) = (f(t+h) - 2 f(t) + f(t-h)) / h, S(h) - 2 S(h/2) is O(h^3) where f is smooth, and of
+ * the size of the kink where there is one within h. Such pixels are left out, counted, and must be few. The last test leaves
+ * everything on: between its jumps an image has the same exact rates. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* The rates of a trajectory are the derivatives of its poses: against central differences, on random paths with and without
- * given rates and on each generator; and rotation_dot rotation^T is antisymmetric. */
+/* The rates of a trajectory equal central differences of its poses, on random paths with and without given rates and on each
+ * generator; and rotation_dot rotation^T is antisymmetric. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,7 +1,7 @@
-/* Ground truth against closed forms: a tilted plane seen by a camera that goes any way and turns, in a dolly, in a roll; a
- * plane of polynomials that flies while its splats spin. To 1e-5 in single precision, and to 1e-10 in double.
+/* Ground truth against closed forms: a tilted plane under a camera that moves in any way, in a dolly, in a roll; and a plane of
+ * polynomials that flies while its splats spin. To 1e-5 in single precision, and to 1e-10 in double.
  *
- * The plane's splats are flat discs whose places and turn are exact in floats: the quaternion (4, 0, 1, 0) turns about y by
+ * The plane's splats are flat discs whose places and rotation are exact in floats: the quaternion (4, 0, 1, 0) turns about y by
  * an angle of sine 8/17 and cosine 15/17, and x and z go in steps of 15 and -8. */
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* What the fuzz targets that make worlds share: numbers out of the input. Beyond its end they are 0. */
+/* Shared by the fuzz targets that make worlds: numbers from the input; beyond its end they are 0. */
 #ifndef TESTS_FUZZ_BYTES_H
 #define TESTS_FUZZ_BYTES_H
 

@@ -1,4 +1,4 @@
-/* What fuzz targets share: what a refusal must be, and files in a folder of their own for readers that take a path. */
+/* Shared by fuzz targets: the form of a refusal, and files in a folder of their own for readers that take a path. */
 #ifndef TESTS_FUZZ_H
 #define TESTS_FUZZ_H
 

@@ -1,5 +1,5 @@
-/* Any events within any sensor, in each format that is written: what is read back is what was written, floored to the format's
- * tick, or the format said in one line what it can't hold. */
+/* Any events within any sensor, in each format that is written. They read back as written, rounded down to the format's tick,
+ * or the writer refused them in one line. */
 #include "fuzz.h"
 
 #include "tides/events.h"

@@ -1,5 +1,5 @@
-/* Any Gaussians in each format of splat files that is written: .ply and .h5 give the very numbers; what rounds (.glb, .spz,
- * .splat) gives, written once more, what it gave the first time, or says in one line what it can't hold. */
+/* Any Gaussians in each format of splat files that is written. .ply and .h5 give exactly the same numbers. Formats that round
+ * (.glb, .spz, .splat) give the same numbers when written once more, or the writer refused them in one line. */
 #include "fuzz.h"
 
 #include "bytes.h"

@@ -1,5 +1,5 @@
-/* Any bytes as the manifest of a batch: runs with names that are folders, no two alike, or a refusal in one line. Where --only
- * names a run, it alone is left. */
+/* Any bytes as the manifest of a batch: runs with distinct names that are valid folders, or a refusal in one line. If --only
+ * names a run, it is the only one. */
 #include "fuzz.h"
 
 #include "cli/batch/batch.h"

@@ -1,5 +1,5 @@
-/* Any bytes as a camera chain of Kalibr's: read or refused in one line; of what is read every number is finite, sizes and focal
- * lengths are above 0, and places are rotations. */
+/* Any bytes as a camera chain of Kalibr's: read, or refused in one line. Numbers read are finite, sizes and focal lengths above
+ * 0, and poses have rotations. */
 #include "tests/fuzz/fuzz.h"
 
 #include "camera/td_camchain.h"

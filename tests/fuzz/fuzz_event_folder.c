@@ -1,6 +1,6 @@
-/* Any files where data sets keep theirs, as a folder of events: read to the end within the size that the folder says, or
- * refused in one line. The first byte chooses what is opened, the second as which format; the rest is a row of files (fuzz.h),
- * where those of HDF5 are rows of items (hdf5_items.h). */
+/* Any files in the places of data sets, as a folder of events: read to the end within the size that the folder tells, or
+ * refused in one line. The first byte chooses the path that is opened, the second the format. The rest is a list of files;
+ * those of HDF5 are lists of items (hdf5_items.h). */
 #include "hdf5_items.h"
 #include "read_events.h"
 

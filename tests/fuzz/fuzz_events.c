@@ -1,5 +1,5 @@
-/* Any bytes as an event file, of the format that they look like, or else of one that has no mark (read_events.h). HDF5 is left
- * to fuzz_hdf5.c: its library (1.10.8) reads freed memory itself where a file's metadata are damaged. */
+/* Any bytes as an event file, of the format that they look like, or else of one without a mark. HDF5 has a target of its own:
+ * its library (1.10.8) reads freed memory if a file's metadata are damaged. */
 #include "read_events.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

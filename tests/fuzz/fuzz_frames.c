@@ -1,6 +1,6 @@
-/* Any files as a frame sequence: a folder with its timestamps, .npy, .npz or .y4m: frames of one size, finite and not
- * negative, at ascending times; or a refusal in one line. The first byte chooses what is opened, the second how its values and
- * times are read; the rest is a row of files (fuzz.h). */
+/* Any files as a frame sequence: a folder with its timestamps, .npy, .npz or .y4m. The frames have one size, are finite and not
+ * negative, at ascending times; or there is a refusal in one line. The first byte chooses the path that is opened, the second
+ * how values and times are read; the rest is a list of files. */
 #include "fuzz.h"
 
 #include "tides/frames.h"

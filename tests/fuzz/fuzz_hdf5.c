@@ -1,5 +1,5 @@
-/* HDF5 files that lie (hdf5_items.h), as event file and as frame sequence: read within what the file says, or refused in one
- * line. */
+/* Whole HDF5 files with false content, as event file and as frame sequence: read within the sizes that the file tells, or
+ * refused in one line. */
 #include "hdf5_items.h"
 #include "read_events.h"
 

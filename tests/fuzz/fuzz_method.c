@@ -1,5 +1,5 @@
 /* Any bytes as the folder of a trained model: found and read into a scene with a motion, or refused in one line. The input is a
- * row of files (fuzz.h). */
+ * list of files. */
 #include "fuzz.h"
 
 #include "scene/td_model_dir.h"

@@ -1,4 +1,4 @@
-/* Any bytes as a picture of a frame sequence, PNG: values of the size that it says, or a refusal in one line. */
+/* Any bytes as a PNG picture of a frame sequence: values of the size that it tells, or a refusal in one line. */
 #include "fuzz.h"
 
 #include "frames/td_frames.h"

@@ -1,6 +1,6 @@
-/* Any tiny scene before any sensor: a run in one piece, a run cut at any times and gone on with from checkpoints, and, where
- * TIDES_FUZZ_DEVICE names an OpenCL device, that device's run give the same events to the bit; and events are what events must
- * be: in order, within the image and the run. */
+/* Any tiny scene with any sensor. A run at once, a run that is cut at any times and continued from checkpoints, and, if
+ * TIDES_FUZZ_DEVICE names an OpenCL device, that device's run give the same events to the bit. Events are in order, within the
+ * image and the run. */
 #include "fuzz.h"
 
 #include "bytes.h"

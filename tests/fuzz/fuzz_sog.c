@@ -1,4 +1,4 @@
-/* Any bytes as a .sog scene; a WebP picture of one colour has next to no bytes. */
+/* Any bytes as a .sog scene. A WebP picture of one colour is only a few bytes long, so that the input needn't be large. */
 #include "tests/fuzz/splats.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -1,4 +1,4 @@
-/* Any text as the lod-meta.json of a streamed SOG, of whose parts none is there. */
+/* Any text as the lod-meta.json of a streamed SOG, all of whose parts are missing. */
 #include "fuzz.h"
 
 #include "scene/td_splat.h"

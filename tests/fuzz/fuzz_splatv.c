@@ -1,4 +1,4 @@
-/* Any bytes as a .splatv scene, whose motion is made too. */
+/* Any bytes as a .splatv scene, with its motion. */
 #include "tests/fuzz/splats.h"
 
 static tides_status parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {

@@ -1,5 +1,5 @@
 /* Any bytes as a file of ground truth: planes with names and all their pixels, or a refusal in one line. The first byte chooses
- * what it is called: endings and a folder decide what the values are. */
+ * the file's name, whose ending and folder decide what the values are. */
 #include "fuzz.h"
 
 #include "tides/image.h"

@@ -1,8 +1,8 @@
-/* What the fuzz targets of HDF5 files share: datasets and attributes of any name, type, shape and values. The files are whole,
- * made by HDF5 itself, because its library (1.10.8) reads freed memory where a file's metadata are damaged.
+/* Shared by the fuzz targets of HDF5 files: datasets and attributes of any name, type, shape and values. HDF5 itself writes the
+ * files, so that they are whole: its library (1.10.8) reads freed memory if a file's metadata are damaged.
  *
- * The input is a row of items: name, type, shape (how many extents, bit 7: times 65536), three extents, how it is stored,
- * number of bytes, bytes, which are repeated to fill it. */
+ * The input is a list of items: name, type, shape (number of extents, bit 7: times 65536), three extents, storage, number of
+ * bytes, bytes, which are repeated to fill the item. */
 #ifndef TESTS_FUZZ_HDF5_ITEMS_H
 #define TESTS_FUZZ_HDF5_ITEMS_H
 

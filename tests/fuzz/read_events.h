@@ -1,5 +1,5 @@
-/* What the fuzz targets of events share: a file or folder is read to the end within the sensor that it says, or refused in one
- * line. At most 100 000 events are read: a few compressed bytes can stand for many. */
+/* Shared by the fuzz targets of events: reads a file or folder to the end within the sensor that it tells, or it is refused in
+ * one line. At most 100 000 events are read, since a few compressed bytes can stand for many. */
 #ifndef TESTS_FUZZ_READ_EVENTS_H
 #define TESTS_FUZZ_READ_EVENTS_H
 

@@ -1,5 +1,5 @@
-/* What the fuzz targets of packed splat formats share: parsed into Gaussians that can be checked, or refused in one line with
- * the output untouched. */
+/* Shared by the fuzz targets of packed splat formats: parses Gaussians, which must be valid, or they are refused in one line
+ * with the output untouched. */
 #ifndef TESTS_FUZZ_SPLATS_H
 #define TESTS_FUZZ_SPLATS_H
 

@@ -1,9 +1,9 @@
 /* The baselines against the streams that the originals made from the same frames: NAME_*.npz in the folders of golden/ of the
  * shared data, each with its NAME_input_frames.npz.
  *
- *   rpg_esim, esim_py, ideal_linear   the same events, times within 2 us: float32 logarithms move theirs by that much; the
- *                                     times of esim_py's first interval are wrong (its reference and its last
- *                                     image are one array then), and left out
+ *   rpg_esim, esim_py, ideal_linear   the same events, times within 2 us: float32 logarithms move theirs by that much. Times of
+ *                                     esim_py's first interval are wrong (its reference and its last image are one array then),
+ *                                     and left out
  *   v2e                               the same events at each sub-time
  *   iebcs                             the same integers
  *   voltmeter                         without noise within 1 us; with noise the same law of intervals and number of events */

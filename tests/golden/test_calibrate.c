@@ -1,6 +1,6 @@
-/* The sensor of a real recording, a DAVIS240C's (slider_depth of the Event Camera Dataset, in the shared data), against what
- * was measured of it with code that isn't ours: thresholds 0.573 and 0.371, black level 0.051, pole 4.5 ms, refractory period
- * below 0.3 ms, leak at most 0.06 Hz, mismatch below 7 % of a threshold; halves of it agreed within 3 %. */
+/* The sensor of a real recording, a DAVIS240C's (slider_depth of the Event Camera Dataset, in the shared data), against
+ * measurements by independent code: thresholds 0.573 and 0.371, black level 0.051, pole 4.5 ms, refractory period below 0.3 ms,
+ * leak at most 0.06 Hz, mismatch below 7 % of a threshold. Halves of the recording agreed within 3 %. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

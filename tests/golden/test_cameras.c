@@ -1,5 +1,5 @@
-/* The same poses in every camera format of $TIDES_SHARED/golden/cameras, against the matrices of golden_cameras.npz. Every
- * file of that folder must be met. */
+/* Equal poses in every camera format of $TIDES_SHARED/golden/cameras, against the matrices of golden_cameras.npz. Every file of
+ * that folder must be read. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

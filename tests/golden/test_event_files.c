@@ -1,5 +1,5 @@
-/* Every file of $TIDES_SHARED/golden/events reads back as its truth; what a format or client can't hold is said beside it.
- * And a real recording. */
+/* Every file of $TIDES_SHARED/golden/events reads back as its truth; losses of a format or client are listed beside it. And a
+ * real recording. */
 #include "tests/unit/test_events_common.h"
 
 #include "events/td_ecf.h"

@@ -1,5 +1,5 @@
-/* Splat files against other people's decoders: each $TIDES_SHARED/golden/formats/NAME.npz holds the first Gaussians of the
- * file below $TIDES_SHARED/data that it names as `source`, in INRIA's units, decoded in double precision. */
+/* Splat files against independent decoders: each $TIDES_SHARED/golden/formats/NAME.npz has the first Gaussians of the file
+ * below $TIDES_SHARED/data that it names as `source`, in INRIA's units, decoded in double precision. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

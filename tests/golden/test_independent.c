@@ -1,10 +1,10 @@
-/* The library against results of the same equations by other means: tests/golden/independent/make.py, in numpy. They are
- * checked in, so that every clone has something to compare with that shares no line with the library.
+/* The library against results of the same equations by independent code: tests/golden/independent/make.py, in numpy. The
+ * results are checked in, so that every clone can compare with them.
  *
  *   image       L and L_dot of 20 moving Gaussians by the double reference: within 1e-12 (measured: 4e-14)
  *   lenses      the same through a radtan and an equidistant lens
  *   crossings   of cubics: within 1e-12 of the step (measured: 3e-15)
- *   baselines   without their noise: places and polarities the same, times within 1 ns (whole microseconds: the same) */
+ *   baselines   without their noise: equal places and polarities, times within 1 ns (whole microseconds: equal) */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

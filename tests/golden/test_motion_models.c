@@ -1,5 +1,5 @@
-/* Model directories as their trainers write them open as scenes that hold the arrays of golden.npz beside them, exactly: every
- * folder of $TIDES_SHARED/golden/stg and fudan4d, and dyn3dgs. */
+/* Model directories of trainers open as scenes that have exactly the arrays of golden.npz beside them: every folder of
+ * $TIDES_SHARED/golden/stg and fudan4d, and dyn3dgs. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

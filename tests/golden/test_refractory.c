@@ -1,12 +1,11 @@
-/* TIDES's sensor on frames against the refractory laws of others, which are three different ones:
+/* TIDES' sensor on frames against three refractory laws of other simulators:
  *
  *   drop_consume   rpg_esim's stream, event for event
- *   hold           wengflow's. It holds each pixel at the start for a random part of the period, which moves all that the pixel
- *                  does afterwards; where that part ended is worked out from the pixel's first event, and pixels without an
- *                  event, of which it can't be, are left out
- *   drop_keep      v2e's. Its events lie at its frames' sub-times, and what is put off waits for one of them: up to a frame, so
- *                  that streams at the frames' rate can't agree to 2 us. But our v2e gives its stream to the bit
- *                  (test_baselines.c), and as frames are made denser that one comes to drop_keep's */
+ *   hold           wengflow's. It holds each pixel at the start for a random part of the period, which shifts its later events.
+ *                  The end of that part is computed from the pixel's first event; pixels without events are left out
+ *   drop_keep      v2e's. Its events lie at its frames' sub-times, and delayed ones wait for such a time, up to a frame. So
+ *                  streams at the frames' rate can't agree to 2 us. TIDES' own v2e gives its stream to the bit (another
+ *                  test), and as frames become denser that stream approaches drop_keep's */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Projection, SH and tiles against other people's renderers: every file of $TIDES_SHARED/golden/render (its
- * own texts say where the numbers come from), in double and in single precision. Images are in test_render_images.c.
+/* Projection, SH and tiles against independent renderers: every file of $TIDES_SHARED/golden/render (its own texts say where
+ * the numbers come from), in double and in single precision. Images are in test_render_images.c.
  *
  * Values and rates agree to 1e-10 relative in double and 1e-5 in single precision wherever the file's renderer keeps the
  * Gaussian. "Relative" is to a size that belongs to the quantity:
@@ -7,11 +7,11 @@
  *             axis, a Gaussian seen edge on), and then has no digits of its own
  *   OWN       this Gaussian's norm, for covariances and what follows from them: they differ by orders of magnitude. A rate that
  *             is small because its terms cancel is measured by the relative rate that is usual in the file.
- * The antialiasing factor is sqrt(det0 / det): its rate is the difference of two relative rates of covariances, so it is
+ * The antialiasing factor is sqrt(det0 / det). Its rate is the difference of two relative rates of covariances, so that it is
  * measured by the relative rate that is usual for covariances. (One Gaussian a few pixels wide has a factor near 1 whose rate
- * is 50 times below those two.)
- * Single precision is allowed 1e-6 of the condition number of a covariance on the screen where that is more than 1e-5: for long
- * Gaussians seen end on, near the camera. tests/property/test_projection_precision.c derives it. */
+ * is 50 times below those two.) In single precision 1e-6 of the condition number of a covariance on the screen is allowed if
+ * that is more than 1e-5: for long Gaussians seen end on, near the camera. tests/property/test_projection_precision.c derives
+ * it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

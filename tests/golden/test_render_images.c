@@ -1,11 +1,11 @@
-/* Images against other people's renderers: every file of $TIDES_SHARED/golden/render, rendered whole by the double reference,
- * by the same functions in single precision, and by the first OpenCL CPU device, which must equal single precision to the bit
- * (unless it can't round division and square root correctly).
+/* Images against independent renderers: every file of $TIDES_SHARED/golden/render, rendered by the double reference, by the
+ * same functions in single precision, and by the first OpenCL CPU device. This must equal single precision to the bit (unless
+ * it can't round division and square root correctly).
  *
- * Errors are relative to the largest of their plane in the file: a rate crosses 0 within every image. Away from the documented
- * cutoffs they stay below 1e-9 in double and 1e-4 in single precision, and the numbers of blended splats are equal.
- * Exceptions, counted and bounded: pixels that the file marks as within rounding of a cutoff (an alpha near 1/255 or near
- * alpha_max, a transmittance near the stop), where rounding decides whether a splat is blended. */
+ * Errors are relative to the largest value of their plane in the file, because a rate crosses 0 within every image. Away from
+ * the documented cutoffs they stay below 1e-9 in double and 1e-4 in single precision, and the numbers of blended splats are
+ * equal. Exceptions are counted and bounded: pixels that the file marks as within rounding of a cutoff (an alpha near 1/255 or
+ * near alpha_max, a transmittance near the stop), where rounding decides whether a splat is blended. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Voxel grids, event frames and time surfaces of $TIDES_SHARED/golden/metrics, to 1e-6 (they agree far better). */
+/* Voxel grids, event frames and time surfaces of $TIDES_SHARED/golden/metrics, to 1e-6 (they agree better). */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,11 +1,11 @@
-/* The bits' guard: a fixed list of runs (runs_list.h) gives the events whose number and hash stand in runs.txt, so that what
- * is rebuilt without meaning to change an event doesn't. Every stepping mode and model, image rules, motion model, block of
- * the sensor, method and readout; scenes and frames; the cpu device where there is one, to the same bits as the float
- * reference; and runs that are resumed.
+/* Guards the bits: a fixed list of runs (runs_list.h) gives the events whose number and hash are in runs.txt, so that changes
+ * which aren't meant to change an event don't. It has every stepping mode and model, image rules, motion model, block of the
+ * sensor, method and readout; scenes and frames; the cpu device if there is one, to the same bits as the float reference; and
+ * runs that are resumed.
  *
- * A change that means to change events writes runs.txt anew: TIDES_WRITE=1 build/release/tests/golden/test_runs, raises
- * TIDES_NUMERICS (include/tides/base.h), and says in its commit why. The hashes are those of x86-64 with and without FMA and of
- * aarch64: libm has no say in them (lib/base/td_math.h). */
+ * A change that is meant to change events writes runs.txt anew: TIDES_WRITE=1 build/release/tests/golden/test_runs. It raises
+ * TIDES_NUMERICS (include/tides/base.h), and its commit says why. The hashes hold for x86-64 with and without FMA and for
+ * aarch64: events don't depend on libm. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

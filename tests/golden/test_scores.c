@@ -1,6 +1,6 @@
-/* Which scores rank right: a real recording (slider_depth of the shared data), and a simulation of it, made worse in known ways
- * and degrees. Scores that `tides compare` puts first must rise with every degree of every way. What the others see is printed,
- * and stands in docs/guide/comparing.md. */
+/* Which scores rank correctly: a real recording (slider_depth of the shared data), and a simulation of it, degraded in known
+ * ways and degrees. Scores that `tides compare` lists first must rise with every degree of every degradation. Results for the
+ * others are printed, and are in docs/guide/comparing.md. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

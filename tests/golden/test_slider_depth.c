@@ -1,5 +1,5 @@
-/* A real recording and a scene fitted to its frames: what a preset of documents alone makes of it, in events, beside what the
- * camera made. Both are counted out of the bursts that a frame's readout makes (0.7 ms before to 1.7 ms after its time). */
+/* A real recording and a scene fitted to its frames: events simulated with a preset from documents alone, beside the camera's.
+ * Events in the bursts that a frame's readout makes (0.7 ms before to 1.7 ms after its time) aren't counted. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,15 +1,16 @@
 /* The comparator against event streams that other code made from the same frames: *_ideal_*.npz, *_tidesrule_*.npz and
  * *esim*.npz in the folders of golden/ of the shared data, each with its NAME_input_frames.npz.
  *
- * What their rules are, and what ours make of them:
- *   ideal_linear, rpg_esim, wengflow_esim   straight lines between frames: our secant. The latter two take float32 logarithms.
- *   tidesrule_quad, tidesrule_hermite       the models of the same names. Both end at S1, so that catching up never has to do
- *                                           anything and `literal` and `catchup` are the same rule.
- *   tidesrule_linear_catchup                catches up at the next step's start: the same instant as ours, this step's end.
- *                                           After the last frame there is no next step: there we have events that it lacks.
+ * Their rules, and the corresponding model here:
+ *   ideal_linear, rpg_esim, wengflow_esim   straight lines between frames: the secant. The latter two take float32 logarithms.
+ *   tidesrule_quad, tidesrule_hermite       the models of the same names. Both end at S1, so that nothing is left to catch
+ *                                           up, and `literal` and `catchup` are the same rule.
+ *   tidesrule_linear_catchup                catches up at the next step's start, which is this step's end. After the last frame
+ *                                           there is no next step: events there are missing in the file.
  *   tidesrule_linear_literal                doesn't catch up, and loses crossings: left out.
- *   ideal_true                              the exact signal between the frames, which our cubic approximates.
- * The last four need rates, which the files don't have: they come from the scene's formula where that gives the very frames. */
+ *   ideal_true                              the exact signal between the frames, which the cubic approximates.
+ * The last four need rates, which the files don't have: these come from the scene's formula, if that gives exactly the
+ * frames. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* What trainers of dynamic models wrote: every folder of $TIDES_SHARED/golden/{fourdgs,deformable,stg,fudan4d,dyn3dgs} is
+/* Files written by trainers of dynamic models: every folder of $TIDES_SHARED/golden/{fourdgs,deformable,stg,fudan4d,dyn3dgs} is
  * recognised, its files open, and the tensors are those that numpy and torch themselves stored beside them. */
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* Tile jobs of which only some blocks are asked for: those come out as they do in the whole tile, to the bit, on the device and
- * in the reference; nothing else is written; and a list holds only what touches them. */
+/* Tile jobs that ask for some blocks only. These equal those of the whole tile, to the bit, on the device and in the reference.
+ * Nothing else is written, and a list only has splats that touch them. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* Double precision on devices (kernels/exact.h): every function and the arithmetic itself, subnormal numbers too, have the bits
- * of their twin in C in every vector width, and are good to an ulp or two of the truth (libm in long double). */
+ * of their twin in C in every vector width, and are within an ulp or two of libm in long double. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
-/* Rows of record paths in double precision (td_exact.h): OpenCL's have the bits of the double reference's, at every width, of
- * scenes at rest and moving, around the camera, of needles and of splats wider than the image, with every rule; Gaussians that
- * a motion moves are the backend's. */
+/* Rows of record paths in double precision: OpenCL's have the bits of the double reference's, at every width. Scenes are at
+ * rest and moving, around the camera, with needles and with splats wider than the image, by every rule. Gaussians that a motion
+ * moves come from the backend. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

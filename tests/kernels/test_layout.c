@@ -1,5 +1,5 @@
-/* The structs that cross the bus have the same sizes and offsets on the device as on the host, in single precision: what
- * kernels/layout_check.cl writes against sizeof and offsetof. */
+/* The structs that host and device share have equal sizes and offsets on both, in single precision: those reported by
+ * kernels/layout_check.cl against sizeof and offsetof. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

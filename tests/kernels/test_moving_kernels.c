@@ -1,6 +1,5 @@
 /* Scenes whose Gaussians move by themselves: the OpenCL kernels equal the single-precision reference to the bit, at every
- * vector width, and neither the way that a batch is cut, nor rows kept from the sweep, nor lists of fewer candidates change
- * a bit. */
+ * vector width. Neither the size of batches, nor rows kept from the sweep, nor shorter candidate lists change a bit. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

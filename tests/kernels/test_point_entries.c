@@ -1,5 +1,5 @@
-/* Entries of a point (kernels/point_entries.h) end in the order of depth and, at equal depth, of paths, whatever order they
- * come in, each as it was made; and where that is none, it is noticed before much was spent on it. */
+/* Entries of a point (kernels/point_entries.h) end in the order of depth and, at equal depth, of paths, in whatever order they
+ * are added, and unchanged. If they come without order, that is noticed before much time is spent. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

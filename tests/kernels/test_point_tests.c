@@ -1,6 +1,6 @@
-/* Points leave out splats by a quick test in single precision (kernels/point_tests.h). Whatever a point sees the test of its
- * slice must let through, with any number of slices, of one piece or of groups of several, for splats of any level, however
- * they bend; and it must turn others away, or it were none. */
+/* Points leave out splats by a quick test in single precision (kernels/point_tests.h). The test of its slice must pass every
+ * splat that a point sees, with any number of slices, of one piece or of groups of several, for splats of any level and any
+ * path. And it must reject others, or it would be useless. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

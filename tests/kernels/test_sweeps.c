@@ -1,5 +1,5 @@
-/* Sweeps on the OpenCL device equal those of the single-precision reference to the bit, at every width: of paths that stray, in
- * several pieces, of Gaussians that move by themselves on a shorter scale of time. */
+/* Sweeps on the OpenCL device equal those of the single-precision reference to the bit, at every width: of paths with strays,
+ * in several pieces, and of Gaussians that move by themselves on a shorter scale of time. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

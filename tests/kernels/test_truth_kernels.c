@@ -1,6 +1,6 @@
-/* Planes of ground truth: the OpenCL kernels equal the single-precision reference to the bit, in every width, for all rules,
- * at rest and moving, with one object, a few, and more than one pass of objects; and blocks asked for by themselves are those
- * of the whole tile. */
+/* Planes of ground truth: the OpenCL kernels equal the single-precision reference to the bit, in every width, for all rules, at
+ * rest and moving, with one object, a few, and more than one pass of objects. Blocks that are asked for alone equal those of
+ * the whole tile. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

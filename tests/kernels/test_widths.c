@@ -1,6 +1,6 @@
-/* Vectors of 1, 4, 8 and 16 pixels give the same bits, on tile lists of every length that the sort treats differently: of one
- * vector or less, of exactly one, of many; in order already, reversed, shuffled, and with equal depths. And on sheets of splats
- * so near each other that all are soft, opaque and faint, whose weights add up to 1 - T. */
+/* Vectors of 1, 4, 8 and 16 pixels give the same bits. Tile lists have every length that the sort treats differently (less than
+ * a vector, one, many), in order already, reversed, shuffled, and with equal depths. On sheets of splats close to each other,
+ * all in soft order, opaque and faint, weights add up to 1 - T. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

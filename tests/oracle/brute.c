@@ -1,4 +1,4 @@
-/* A pixel by brute force. */
+/* A pixel by brute force: samples it at fixed times, and finds its events between them. */
 #include "tests/oracle/brute.h"
 
 #include "tests/oracle/image.h"

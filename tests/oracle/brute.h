@@ -1,4 +1,4 @@
-/* The event finder against brute force: a pixel sampled every so many nanoseconds, all splats each time, and nothing else. */
+/* Brute force, to check the event finder: a pixel sampled at fixed intervals of nanoseconds, with all splats each time. */
 #ifndef TESTS_ORACLE_BRUTE_H
 #define TESTS_ORACLE_BRUTE_H
 

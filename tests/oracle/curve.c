@@ -1,4 +1,4 @@
-/* Curves through samples: slopes by what each law says, values by the cubics that have them. */
+/* Curves through samples: slopes by several laws, and values by the cubics that have them. */
 #include "tests/oracle/curve.h"
 
 #include <stdio.h>

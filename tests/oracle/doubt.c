@@ -1,4 +1,4 @@
-/* Swaps and kinks between two samples. */
+/* Finds swaps and kinks between two samples. */
 #include "tests/oracle/doubt.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* What an interval between two samples may hide that no curve through samples tells: two splats that swap in depth, a colour
- * that meets its clamp. Found once for all pixels, from where splats are at both ends. */
+/* Changes within an interval between two samples that no curve through samples shows: two splats that swap in depth, a colour
+ * that meets its clamp. They are found once for all pixels, from the splats at both ends. */
 #ifndef TESTS_ORACLE_DOUBT_H
 #define TESTS_ORACLE_DOUBT_H
 

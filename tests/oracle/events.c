@@ -1,4 +1,4 @@
-/* The event finder. */
+/* The event finder of the oracle: samples, refines where a level may be reached, and solves crossings. */
 #include "tests/oracle/events.h"
 
 #include "tests/oracle/doubt.h"

@@ -1,4 +1,4 @@
-/* Oracle scenes as the library's. */
+/* Converts the oracle's scenes to the library's, and runs them. */
 #include "tests/oracle/library.h"
 
 #include "tests/oracle/image.h"

@@ -1,4 +1,4 @@
-/* Draws, splats and paths of random scenes. */
+/* Random numbers, splats and paths of random scenes. */
 #include "tests/oracle/parts.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* What random scenes are put together from: draws, splats, paths. */
+/* Parts of random scenes: random numbers, splats, paths. */
 #ifndef TESTS_ORACLE_PARTS_H
 #define TESTS_ORACLE_PARTS_H
 

@@ -1,4 +1,4 @@
-/* Scenes of the oracle: what they are made of. */
+/* Builds and frees scenes of the oracle. */
 #include "tests/oracle/scene.h"
 
 #include "tests/oracle/image.h"

@@ -1,6 +1,6 @@
-/* The library's events against the oracle's: 20 small scenes of the hard kinds, by the criteria of `make check-lost` (trial.h).
- * What the oracle is worth is tested first: its L is the library's double reference's, and its events are those of four times
- * as many samples. Truth is worked out as the test runs.
+/* The library's events against the oracle's: 20 small scenes of the hard kinds, by the criteria of `make check-lost`. The
+ * oracle itself is tested first: its L equals the library's double reference's, and its events are those of four times as many
+ * samples. Exact events are computed while the test runs.
  *
  * TIDES_SEED=N: the first scene's seed. */
 #include <stdarg.h>

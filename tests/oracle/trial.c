@@ -1,4 +1,4 @@
-/* Trials, and the criteria of issue 38. */
+/* Runs trials, and applies the criteria of issue 38. */
 #include "tests/oracle/trial.h"
 
 #include "tests/oracle/brute.h"

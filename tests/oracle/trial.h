@@ -1,4 +1,4 @@
-/* One random scene: the library's run of it against the oracle's events; and what many of them come to. */
+/* A trial: one random scene, the library's run of it and the oracle's events; and sums over many trials. */
 #ifndef TESTS_ORACLE_TRIAL_H
 #define TESTS_ORACLE_TRIAL_H
 

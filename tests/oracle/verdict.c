@@ -1,4 +1,4 @@
-/* Matching of two streams, pixel by pixel. */
+/* Matches two streams, pixel by pixel. */
 #include "tests/oracle/verdict.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* The library's events against the oracle's: which are lost, which are false, and how far off are those that are the same. */
+/* The library's events against the oracle's: which are lost, which are false, and the errors of the times of the others. */
 #ifndef TESTS_ORACLE_VERDICT_H
 #define TESTS_ORACLE_VERDICT_H
 

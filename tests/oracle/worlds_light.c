@@ -1,4 +1,4 @@
-/* Lamps, faint splats, tapers. */
+/* Random scenes with lamps, with faint splats, and with tapers. */
 #include "tests/oracle/worlds_light.h"
 
 #include <math.h>

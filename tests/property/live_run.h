@@ -1,4 +1,4 @@
-/* Test support: sessions of a random scene for live runs, the poses that they are told, and the events that come of it. */
+/* Test support: sessions of a random scene for live runs, the poses given to them, and their events. */
 #ifndef TESTS_PROPERTY_LIVE_RUN_H
 #define TESTS_PROPERTY_LIVE_RUN_H
 

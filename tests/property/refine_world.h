@@ -1,4 +1,4 @@
-/* Test support: worlds for adaptive steps, under a moving camera and before a resting one, and how runs in them compare. */
+/* Test support: worlds for adaptive steps, with a moving camera and with a camera at rest, and comparisons of runs in them. */
 #ifndef TESTS_PROPERTY_REFINE_WORLD_H
 #define TESTS_PROPERTY_REFINE_WORLD_H
 

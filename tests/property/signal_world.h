@@ -1,5 +1,5 @@
-/* Test support: the simulator on signals in closed form. What a backend renders is replaced by functions of pixel and time, so
- * that truth is known to the last bit and nothing but step control and comparator is under test. */
+/* Test support: the simulator on signals in closed form. Functions of pixel and time replace a backend's renders, so that the
+ * signal is known to the last bit, and only step control and comparator are tested. */
 #ifndef TESTS_PROPERTY_SIGNAL_WORLD_H
 #define TESTS_PROPERTY_SIGNAL_WORLD_H
 

@@ -1,4 +1,4 @@
-/* Test support: one run of the simulator with all that comes out of it, and checks that hold for any run. */
+/* Test support: one run of the simulator with all its results, and checks that hold for any run. */
 #ifndef TESTS_PROPERTY_SIMULATOR_RUN_H
 #define TESTS_PROPERTY_SIMULATOR_RUN_H
 

@@ -1,6 +1,6 @@
 /* Random band-limited motions, 0 to 2 kHz, commensurate with the steps or not, of camera, objects, opacity, colour, size and
- * rotation, at default settings: no event is lost or invented, and reported errors are no smaller than true ones. The cases
- * that were known to be lost: test_blindness.c.
+ * rotation, at default settings: no event is lost or invented, and reported errors are no smaller than true ones.
+ * test_blindness.c has the cases that were once lost.
  *
  * TIDES_TRIALS=N: N trials instead of a handful. TIDES_SEED=N: the first one's seed. */
 #include <stdarg.h>

@@ -1,9 +1,9 @@
-/* Motion and light that come back to where they were within one longest step: no event may be lost or invented because the
- * nodes of a step, or of the paths that events are looked up on, don't see it. Exact events are those of frames 10 us apart and
- * closer (judged_run.h), or of a formula; the run is the double reference, and its twin in single precision, with events of
- * the model and looked up. The random ones: test_band_limited.c.
+/* Motion and light that return to their state within one longest step. No event may be lost or invented because the nodes of a
+ * step, or of the paths on which events are looked up, don't show it. Exact events come from frames 10 us apart and closer, or
+ * from a formula. Runs are in double and in single precision, with and without look-ups. test_band_limited.c has random
+ * motions.
  *
- * TIDES_TRIALS=1 runs each case at all its phases, and without it at one of them. */
+ * TIDES_TRIALS=1 runs each case at all its phases, otherwise at one of them. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

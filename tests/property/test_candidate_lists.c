@@ -1,5 +1,5 @@
-/* Lists from boxes are those that the definition gives, Gaussian by Gaussian and tile by tile: for boxes of any size and place,
- * inverted, infinite and NaN; objects that rest and move, one behind the other; images that no tile fills; lists made again. */
+/* Lists from boxes equal those by the definition, Gaussian by Gaussian and tile by tile: for boxes of any size and place,
+ * inverted, infinite and NaN; objects at rest and moving; images with partial tiles; lists made again. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,6 @@
-/* Candidate lists are conservative: what they leave out of a tile isn't in it at any time of their interval. And batches don't
- * matter: how many jobs go to the device at once, in how many launches. On random scenes that move fast. */
+/* Candidate lists are conservative: a Gaussian that isn't in a tile's list isn't in the tile at any time of the interval. And
+ * results don't depend on batches: how many jobs go to the device at once, in how many launches. On random scenes that move
+ * fast. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

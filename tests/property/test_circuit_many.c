@@ -1,5 +1,5 @@
-/* The pixel's circuit over whole steps of many pixels: against the careful walk with a tolerance ten thousand times as small,
- * for inputs as images make them and for the worst that could be thought of. */
+/* The pixel's circuit over whole steps of many pixels, against the careful walk with a ten thousandth of the tolerance, for
+ * inputs like images' and for the worst inputs known. */
 #include "tests/support/frontend_oracle.h"
 #include "tests/support/seeded.h"
 #include "sensor/response/td_frontend.h"

@@ -1,6 +1,6 @@
-/* What is out of view: of a cluster that is left out of an interval, or a splat that is nowhere in it, nothing is seen at any
- * time in it. Cameras within what is there, that turn, rush past and shake, objects on paths of their own, splats of every
- * size, lenses, every rule. And what is out of view is mostly found to be. */
+/* Culling: a cluster that is left out of an interval, or a splat without a box in it, is invisible at all times in it. Cameras
+ * are within the scene, turn, rush past and shake; objects have paths of their own; splats have every size; with lenses, by
+ * every rule. And most that is out of view is left out. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
-/* Runs at any absolute time: 1000 random (start, duration, step) triples up to 2e9 s run to their end. Where every input is
- * exact in a double, the events are those of the same run at time 0, later by the start, to the nanosecond; elsewhere they are
- * as far off as the inputs' rounding moves the path. Cutting a run, and saving and restoring it, changes nothing there. */
+/* Runs at any absolute time: 1000 random (start, duration, step) triples up to 2e9 s run to their end. If every input is exact
+ * in a double, the events are those of the same run at time 0, later by the start, to the nanosecond. Otherwise they differ by
+ * as much as the inputs' rounding moves the path. Cutting a run, and saving and restoring it, changes nothing. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

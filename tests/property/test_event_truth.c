@@ -1,5 +1,5 @@
-/* Ground truth of events: what whole frames of it have at each event's pixel and time, to the bit; when it fired, and not
- * when it was read; and as columns of a file, at an epoch of 1.4e9 s too. */
+/* Ground truth of events: that of whole frames at each event's pixel and time, to the bit, when it fired and not when it was
+ * read; and as columns of a file, at an epoch of 1.4e9 s too. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

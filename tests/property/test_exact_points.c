@@ -1,5 +1,5 @@
-/* Exact points: every pixel is what a frame of the double reference shows there, but for what record paths are off by; its
- * rate is that of the image of paths; and a point is the same to the bit whoever is asked for beside it. */
+/* Exact points: each equals a frame of the double reference there, to the error of record paths. Its rate is that of the image
+ * of paths. A point doesn't depend, to the bit, on other points that are asked for with it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

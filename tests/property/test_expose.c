@@ -1,5 +1,5 @@
-/* Exposed frames: a pixel's light is the mean of many sharp frames', within the tolerance and no further off than said; each
- * row of a rolling shutter is that of renders at its own time; nothing that passes quickly is missed; wrong input's refused. */
+/* Exposed frames: a pixel's light is the mean of many sharp frames', within the tolerance and the reported error. Each row of a
+ * rolling shutter is that of renders at its own time. Nothing that passes quickly is missed, and wrong input is refused. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

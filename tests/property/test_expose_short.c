@@ -1,6 +1,6 @@
-/* Exposed frames of what is short: flashes, trains of pulses, bells of opacity and leaps of 5 us to 1 ms in 10 and 30 ms. Light
- * is within the tolerance or its pixels are counted, and no further off than said. The truth is a sum of our own over the
- * formula that the scene was made from: one splat at rest, what it is weighed by in each pixel, and its light or opacity. */
+/* Exposed frames of short light: flashes, trains of pulses, bells of opacity and leaps of 5 us to 1 ms in 10 and 30 ms. Light
+ * is within the tolerance, or its pixels are counted, and within the reported error. The truth is a sum over the formula of
+ * which the scene was made: one splat at rest, its weight in each pixel, and its light or opacity. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

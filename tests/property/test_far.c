@@ -1,9 +1,9 @@
-/* Means far from (0, 0, 0), as georeferenced scans have them: the events of the same scene about (0, 0, 0), for as many
+/* Means far from (0, 0, 0), as in georeferenced scans: the events equal those of the same scene about (0, 0, 0), for as many
  * renders.
  *
- * What is moved: a box of Gaussians at rest, by keyframes, by polynomials, or as an object that is turned and scaled; and with
- * it the camera, or, for the object, its pose. Means are multiples of 2^-20, so that doubles hold them exactly with any of the
- * offsets. */
+ * The scene is a box of Gaussians at rest, moved by keyframes, by polynomials, or an object that is turned and scaled. The
+ * camera is moved with it, or for the object the object's pose. Means are multiples of 2^-20, so that doubles hold them exactly
+ * with any of the offsets. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

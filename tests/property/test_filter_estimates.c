@@ -1,5 +1,5 @@
-/* What a run behind a first-order filter says of its own event times: no less than they are off by, and not much more. Truth is
- * the same run at a fine tolerance; sensors are as the presets have them. */
+/* Timing errors that a run behind a first-order filter reports: no smaller than the true ones, and not much larger. The truth
+ * is the same run at a fine tolerance; sensors are those of presets. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* Material points: displacement of a plane between two poses, and of spinning polynomial splats, are the closed forms';
- * points that are followed move at the optical flow; there and back is where it began; what passes before a point hides it. */
+/* Material points: displacements of a plane between two poses, and of spinning polynomial splats, have closed forms. Points
+ * that are followed move at the optical flow, return to their beginning, and are hidden by what passes before them. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

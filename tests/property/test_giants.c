@@ -1,5 +1,5 @@
-/* Splats that single precision just holds, and those that it can't: the first are as in double precision, whatever their size;
- * the second end the call with an error that names pixel, time and splat, on every device, rendered or simulated. */
+/* Splats that single precision just holds, and larger ones. The former are as in double precision, whatever their size. The
+ * latter end the call with an error that names pixel, time and splat, on every device, rendered or simulated. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Millions of events through a run and into a file, and the memory in use at its end is that of its beginning: what a run of
- * 10^9 would need besides is bounded by what these have left behind. */
+/* Millions of events through a run and into a file: the memory in use at the end is that at the beginning. So a run of 10^9
+ * events needs no more. */
 #define _DEFAULT_SOURCE /* mallinfo2 */
 #include <stdarg.h>
 #include <stddef.h>

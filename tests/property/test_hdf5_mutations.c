@@ -1,11 +1,10 @@
-/* Our own HDF5 files, scenes and recordings, damaged: each is read in a process of its own, which must end by itself within
+/* TIDES' own HDF5 files, scenes and recordings, damaged. Each is read in a process of its own, which must end by itself within
  * seconds and a bound of memory, with success or with one line. Files of earlier versions, whose texts have variable length,
  * are among them.
  *
  *   TIDES_MUTATIONS=20000        so many instead of MUTATIONS (make fuzz-hdf5)
- *   TIDES_MUTATION_SEED=1        another row of them
- *   TIDES_MUTATIONS_KEEP=FOLDER  what crashed or hung is kept there
- */
+ *   TIDES_MUTATION_SEED=1        other random mutations
+ *   TIDES_MUTATIONS_KEEP=FOLDER  files that crashed or hung are kept there */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

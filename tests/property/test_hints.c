@@ -1,6 +1,6 @@
-/* Hints to depth order (lib/render/candidate_hints.c): whatever a sweep's earlier jobs left, tiles come out the same to the
- * bit; a list whose order lasts is sorted once, and one whose order changes is sorted again. On the reference, and in OpenCL
- * with vectors and with work-groups, which sort differently. */
+/* Hints for depth order. Whatever a sweep's earlier jobs left, tiles are equal to the bit. A list whose order lasts is sorted
+ * once, and one whose order changes is sorted again. On the reference, and in OpenCL with vectors and with work-groups, which
+ * sort differently. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

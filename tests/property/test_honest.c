@@ -1,10 +1,10 @@
 /* Reported timing errors are no smaller than true ones, on random scenes (issue 19, 1): p50, p95 and p99 of each run at default
- * settings against its exact events (judged_run.h), which the last halving of their frames' spacing moves by less than a
- * hundredth of what is measured; and the p95 reported is within 5 times of the true one in the median, so that it's worth
- * something; in double and in single precision, and with steps of blocks.
+ * settings against its exact events. Halving the spacing of the exact events' frames moves these by less than a hundredth of
+ * the measured errors. The reported p95 is within 5 times of the true one in the median, so that it is useful. In double and in
+ * single precision, and with steps of blocks.
  *
- * TIDES_TRIALS=N: N scenes (200 are the issue's) with exact events as good as that; a few with ten times less effort without.
- * TIDES_SEED=N: the first one's seed. */
+ * TIDES_TRIALS=N: N scenes (200 are the issue's) with exact events as accurate as that; otherwise a few with a tenth of the
+ * effort. TIDES_SEED=N: the first one's seed. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Rows interpolated between others (kernels/interpolate.h): what they cost in log_luminance stays within the tolerance, kinks
- * of networks included; the same to the bit on every device, however launches are cut; and never across a knot. */
+/* Rows interpolated between others (kernels/interpolate.h): their error of log_luminance stays within the tolerance, at kinks
+ * of networks too. They are equal to the bit on every device, however launches are cut, and never cross a knot. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Labels in whole runs: asking for them changes no event, each event left no earlier than it fired but for jitter, and behind a
+/* Labels in whole runs: asking for them changes no event. An event leaves no earlier than it fired, except by jitter. Behind a
  * readout the labels are those that the pixels gave. */
 #include <stdarg.h>
 #include <stddef.h>

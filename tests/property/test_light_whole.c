@@ -1,5 +1,5 @@
-/* The low-pass whose rate goes with the light, over whole steps of many pixels: against the careful walk with a tolerance
- * a thousand times as small, for inputs as images make them and for the worst that could be thought of. */
+/* The low-pass whose rate goes with the light, over whole steps of many pixels, against the careful walk with a thousandth of
+ * the tolerance, for inputs like images' and for the worst inputs known. */
 #include "tests/support/seeded.h"
 #include "sensor/response/td_frontend.h"
 #include "td_base.h"

@@ -1,5 +1,5 @@
-/* Live runs: what is told as it goes gives, to the bit, the events of a run that knows the same open paths as a whole; whatever
- * the options, however far ahead poses are told, wherever it is asked for events. */
+/* Live runs: poses that are given during the run give, to the bit, the events of a run that knows the same open paths from the
+ * start. This holds for all options, however far ahead poses are given, and wherever events are asked for. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Live runs that are asked something wrong, or fail: it is refused, and harmless. */
+/* Live runs with wrong input, or that fail: the call is refused, and does no harm. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
-/* Live runs in which little happens at first: a camera at rest, a hand that is held still, an object that waits. Pixels ask for
- * the image at the run's start when they first may act, long after the paths have forgotten it; whatever the rest, the sensor
- * and what is kept, the events are those of a run that knew the paths. */
+/* Live runs in which little happens at first: a camera at rest, a hand that is held still, an object that waits. Pixels look up
+ * the image at the run's start when they first may act, long after open paths have dropped it. Whatever the rest, the sensor
+ * and what is kept, the events are those of a run that knew the paths from the start. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,8 +1,8 @@
-/* Events that are lost or invented where they are looked up (stepping.solve): random worlds that graze their levels, each with
- * some thresholds, in the default's steps, against steps a quarter as long with a hundredth of the tolerance.
+/* Events that are lost or invented with look-ups (stepping.solve): random worlds that graze their levels, each with several
+ * thresholds, in default steps, against steps a quarter as long with a hundredth of the tolerance.
  *
- * A signal may come to a level and go back between two samples, and no finite number of looks is sure to find it: what is held
- * is a share, below what the default tolerance is asked for on scenes that people have (0.01 %).
+ * A signal may reach a level and return between two samples, and no finite number of looks is sure to find it. So the test
+ * bounds the share of such events, below what the default tolerance must give on real scenes (0.01 %).
  *
  * TIDES_TRIALS=N: N worlds. TIDES_SEED=N: the first one's seed. */
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-/* Laws of the metrics on random streams: identity, symmetry, invariance; and brute force against the quick methods. */
+/* Laws of the metrics on random streams: identity, symmetry, invariance; and the fast methods against brute force. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* A colour filter: each pixel of an image, its points and its events are to the bit those of a renderer or run whose luminance
- * is that pixel's channel alone; what it can't go with is refused. */
+/* A colour filter: each pixel of an image, its points and its events equal, to the bit, those of a renderer or run whose
+ * luminance is that pixel's channel alone. Settings that exclude it are refused. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

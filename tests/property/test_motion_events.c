@@ -1,6 +1,5 @@
-/* Events of scenes whose Gaussians move by themselves: the same whatever the device, the batch and the cut; the same from a
- * rigid path and from a motion; right behind a knot; nothing spent on what rests; and a run cut at a knot goes on as if it
- * weren't. */
+/* Events of scenes whose Gaussians move by themselves: equal for any device, batch and cut; equal from a rigid path and from a
+ * motion; correct right behind a knot. Gaussians at rest cost nothing, and a run cut at a knot goes on as one that wasn't. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

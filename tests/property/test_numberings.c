@@ -1,10 +1,10 @@
-/* What hard order makes of sheets, where many splats have one depth, is the order of their numbers: `inria` against itself with
- * the splats renumbered is 17 dB on `scene plane` at 64x48, and its mean Y moves by 1 %. What a sheet looks like is the mean
- * over numberings; `smooth`, which has no order there, is held against that.
+/* In hard order the image of sheets, where many splats have one depth, depends on the order of their numbers. `inria` against
+ * itself with the splats renumbered is 17 dB on `scene plane` at 64x48, and its mean Y moves by 1 %. A sheet's look is the mean
+ * over numberings; `smooth`, which has no order there, is compared with that.
  *
- * And tapered tails: an opacity of tau adds light tau dtau / tau over the plane, so that a cut at 1/255 takes 1/255 from each
- * splat's light, and a taper w the integral of 1 - w: 0.55/255 from 0.1/255 to 1/255. `smooth` has what lies between, 0.38 % on
- * a trained scene (centered_lastchance, mean opacity about a half), and none at a taper from 0.1/255 to 1.9/255. */
+ * And tapered tails: an opacity of tau adds light tau dtau / tau over the plane. So a cut at 1/255 takes 1/255 from each
+ * splat's light, and a taper w the integral of 1 - w: 0.55/255 from 0.1/255 to 1/255. `smooth` has the difference more, 0.38 %
+ * on a trained scene (centered_lastchance, mean opacity about a half), and none with a taper from 0.1/255 to 1.9/255. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

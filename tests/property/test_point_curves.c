@@ -1,5 +1,5 @@
-/* Points of what an expensive model moves: its rows are worked out where curves need them, and nowhere else, and points are as
- * good as with all of them: what a frame shows there, but for kinks; the same to the bit on every device. */
+/* Points of Gaussians that an expensive model moves. Rows are computed only where curves need them, and points are as accurate
+ * as with all rows: equal to a frame there, except at kinks, and equal to the bit on every device. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

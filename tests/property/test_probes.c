@@ -1,5 +1,5 @@
-/* Step control on signals in closed form that the two ends of a step say nothing of, or something wrong: pulses, lamps, kinks
- * and touches. Each must give the events that a thousand times shorter steps give, and report errors that bound those made. */
+/* Step control on signals in closed form whose values at a step's ends say nothing, or mislead: pulses, lamps, kinks and
+ * touches. Each must give the events that a thousand times shorter steps give, and report errors that bound the true ones. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,13 +1,13 @@
-/* How well single precision keeps the rates of projected covariances, for gsplat's rules with principal points anywhere, inside
- * the picture or out of it.
+/* Precision of the rates of projected covariances in single precision, for gsplat's rules with principal points anywhere,
+ * inside the picture or out of it.
  *
- * What limits it. Inputs are rounded to e = 2^-24 of themselves, and sums like them. p = R m + t is then good to a few e (|m| +
- * |t|), 1 / z to a few e kappa of itself, with kappa = (|m| + |t|) / z. The covariance is A A^T with A = T M, each entry good
- * to a few e kappa |T| |M|: of A itself that is a few e kappa beam, with beam = |T| |M| / sqrt(|cov|), which is large for long
- * Gaussians seen end on: their length is in M, and hardly in A. Covariance and rate are of second order in A, and 1 / z enters
- * the rate up to three times: 16 e kappa beam bounds what a few of each make of it, 1e-6 kappa beam. It is the inputs'
- * rounding more than the arithmetic's: in the worst cases found the double kernel with inputs rounded to single is off by two
- * thirds of what the single one is, so that no order of operations would help. */
+ * The limits. Inputs are rounded to e = 2^-24 of themselves, and sums likewise. p = R m + t is then good to a few e
+ * (|m| + |t|), and 1 / z to a few e kappa of itself, with kappa = (|m| + |t|) / z. The covariance is A A^T with A = T M, each
+ * entry good to a few e kappa |T| |M|. Relative to A that is a few e kappa beam, with beam = |T| |M| / sqrt(|cov|). beam is
+ * large for long Gaussians seen end on: their length is in M, and hardly in A. Covariance and rate are of second order in A,
+ * and 1 / z enters the rate up to three times. So 16 e kappa beam, 1e-6 kappa beam, bounds the sum of a few of each. It is the
+ * inputs' rounding more than the arithmetic's: in the worst cases found, the double kernel with inputs rounded to single has
+ * two thirds of the single one's error, so that no order of operations would help. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

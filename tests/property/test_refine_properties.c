@@ -1,6 +1,6 @@
-/* What must hold of adaptive steps, on random scenes under a moving camera and before a resting one: the invariant, the same
- * events however a run is cut and on every device, and errors that fall with the tolerance and stay within what is reported.
- * test_refine_steps.c looks at the steps themselves. */
+/* Properties of adaptive steps, on random scenes under a moving camera and before a resting one: the comparator's invariant,
+ * equal events however a run is cut and on every device, and errors that fall with the tolerance and stay within the reported
+ * ones. test_refine_steps.c looks at the steps themselves. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* The steps that adaptive control takes, tile by tile: within their limits and no shorter than they must be, none where nothing
- * moves, and none so long that a splat passes a tile unseen between two samples. */
+/* The steps of adaptive control, unit by unit: within their limits and no shorter than needed, none where nothing moves, and
+ * none so long that a splat passes a tile unseen between two samples. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Progress within an image: whoever is told hears shares that grow, and may stop any call that renders before a launch; the
- * next call is then what it would have been, to the bit. On the device that is there, and on a reference. */
+/* Progress within an image: a callback gets shares that grow, and may stop any call that renders before a launch. The next call
+ * then gives what it would have given, to the bit. On a device, and on a reference. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

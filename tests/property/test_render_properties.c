@@ -1,5 +1,5 @@
-/* What must hold for any image, on random scenes: the order of the input doesn't matter, time runs both ways, values
- * are in their ranges; and on real scenes the smooth rules look like inria's. */
+/* Properties of any image, on random scenes: the order of the input doesn't matter, time can be reversed, values are in their
+ * ranges. On real scenes the smooth rules look like inria's. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

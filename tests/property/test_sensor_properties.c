@@ -1,5 +1,5 @@
-/* The sensor in whole runs: blocks that are off change nothing; cuts, batches, tiles' own steps and checkpoints give the same
- * events with all of them on, readout included; halving the steps moves none by more than it says. */
+/* The sensor in whole runs. Blocks that are off change nothing. Cuts, batches, steps of tiles and checkpoints give equal events
+ * with all blocks on, readout included. Halving the steps moves no event by more than the reported error. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
-/* Dense sheets of splats, the walls and floors of scenes, in soft depth order: a uniform wall stays silent whatever the camera
- * does, a textured one is as smooth in time as the rest, as bright as in hard order, and in single precision as quiet as in
- * double. */
+/* Dense sheets of splats, the walls and floors of scenes, in soft depth order. A uniform wall gives no events whatever the
+ * camera does. A textured one is as smooth in time as other content, as bright as in hard order, and as quiet in single
+ * precision as in double. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

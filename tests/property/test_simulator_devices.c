@@ -1,6 +1,6 @@
-/* The simulator on different devices: the OpenCL CPU device gives the very events of the single-precision reference, with and
- * without double precision of its own, and both those of the double reference to within nanoseconds. On random scenes and a
- * real one. */
+/* The simulator on different devices: the OpenCL CPU device gives exactly the events of the single-precision reference, with
+ * and without double precision of its own, and both give those of the double reference to within nanoseconds. On random scenes
+ * and a real one. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

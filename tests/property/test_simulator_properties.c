@@ -1,6 +1,5 @@
-/* What must hold for any run: the comparator's invariant, counts, a sorted stream, and that nothing but the scene, the camera
- * and the step decides the events: not batches, not how a run is cut into calls, stopped and taken up again. On random
- * scenes. */
+/* Properties of any run: the comparator's invariant, counts, a sorted stream. Only the scene, the camera and the step decide
+ * the events: not batches, nor how a run is cut into calls, stopped and resumed. On random scenes. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

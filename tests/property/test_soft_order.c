@@ -1,9 +1,9 @@
-/* Soft depth order (kernels/soft_order.h, docs/soft_order.md) in the double reference. Light is taken out by densities behind
- * the splats,
+/* Soft depth order (kernels/soft_order.h, docs/soft_order.md) in the double reference. Densities behind the splats take light
+ * out,
  *   Y = sum_k w_k l_k + T B,   w_k = integral of a_k f(s - s_k) T(s) ds,   T(s) = prod_j (1 - tau_j)^F(s - s_j),
- * s = ln z / delta, f(s) = exp(-s) and F(s) = 1 - exp(-s) from 0 on: by quadrature here, with each tau what the splat shows
- * alone. The weights add up to 1 - T for any number of splats; the image has a continuous slope while splats swap places, with
- * exact rates; and it is hard order where splats are apart. */
+ * s = ln z / delta, f(s) = exp(-s) and F(s) = 1 - exp(-s) from 0 on. Here these are computed by quadrature, with each tau from
+ * the splat alone. The weights add up to 1 - T for any number of splats. The image has a continuous slope while splats swap
+ * places, with exact rates, and it is that of hard order where splats are apart. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Events that are solved on the image itself (stepping.solve): their times against exact ones, with and without blocks of the
- * sensor; errors that are reported; the same events in whatever windows, cuts and batches; and what it is refused with.
+/* Events by look-ups in the image (stepping.solve): their times against exact ones, with and without blocks of the sensor;
+ * reported errors; equal events in any windows, cuts and batches; and settings with which it is refused.
  *
  * TIDES_TRIALS=N: N random scenes instead of a handful. TIDES_SEED=N: the first one's seed. */
 #include <stdarg.h>

@@ -1,8 +1,8 @@
-/* Events that are solved in double (stepping.solve) where Gaussians move by themselves faster than record paths can follow in
- * one piece: lamps, engines, bells. Every attribute that moves, by every model: against exact events of the double reference,
- * errors that are reported are no smaller than those measured.
+/* Events by look-ups in double (stepping.solve), of Gaussians that move by themselves faster than record paths can follow in
+ * one piece: lamps, engines, bells. Every attribute that moves, by every model, against exact events of the double reference:
+ * reported errors are no smaller than true ones.
  *
- * TIDES_TRIALS=1: all rows instead of a handful. TIDES_ROW=name: only those that have it in theirs. */
+ * TIDES_TRIALS=1: all rows instead of a handful. TIDES_ROW=text: only rows whose name contains it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Runs with the PSF, the centre-surround and additive noise: invariants, the same events however the run is cut and batched,
- * and nearer and nearer ones at finer steps. On random scenes that move fast. */
+/* Runs with the PSF, the centre-surround and additive noise: the comparator's invariant, equal events however the run is cut
+ * and batched, and convergence with finer steps. On random scenes that move fast. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
-/* What happens and is over between two samples asks for shorter steps, and so has its events: a burst of shaking, a bell, a
- * lamp's flash, a needle that turns about its own middle, a splat that looks out from behind the camera. What is slow asks for
- * nothing, however densely it is sampled. */
+/* Changes that begin and end between two samples ask for shorter steps, and their events are found: a burst of shaking, a bell,
+ * a lamp's flash, a needle that turns about its own middle, a splat that appears from behind the camera. Slow changes ask for
+ * nothing, however densely they are sampled. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

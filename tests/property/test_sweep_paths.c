@@ -1,7 +1,7 @@
-/* Sweeps hold for any motion: at random times within an interval no splat's box reaches out of the swept one, whatever camera,
- * objects and Gaussians do in between: band-limited vibrations up to 2 kHz, commensurate with the interval or not, bells far
- * narrower than it, passages of the near plane. And what is over between two samples asks for shorter steps; what is slow
- * doesn't. */
+/* Sweeps hold for any motion: at random times within an interval no splat's box exceeds the swept one, whatever camera, objects
+ * and Gaussians do in between. Motions are band-limited vibrations up to 2 kHz, commensurate with the interval or not, bells
+ * far narrower than it, and passages of the near plane. Changes that are over between two samples ask for shorter steps; slow
+ * ones don't. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* Several threads at once, as far as the headers allow: simulators that share a device, a scene and a path, and live runs of
- * one session, give the events of a run alone. Under `make check-tsan` each access of theirs is watched. */
+ * one session, give the events of a run alone. `make check-tsan` checks their accesses. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
-/* The fuzz target of runs (tests/fuzz/fuzz_runs.c) on inputs by chance, with the processor's OpenCL device where there is one:
- * whole runs, those that are cut and gone on with from checkpoints, and the device's give the same events to the bit. It aborts
- * where they don't; the seed that is printed last is the input's. TIDES_TINY_RUNS: how many (60). */
+/* The fuzz target of runs (tests/fuzz/fuzz_runs.c) on random inputs, with the processor's OpenCL device if there is one: whole
+ * runs, runs that are cut and continued from checkpoints, and the device's give equal events to the bit. It aborts if they
+ * don't; the seed printed last is the input's. TIDES_TINY_RUNS: number of runs (60). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

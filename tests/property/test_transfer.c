@@ -1,6 +1,6 @@
-/* Light of coded colours: what the reference shows is w . f(c) of the colours c that it composites, and its rates, against f
- * written here from IEC 61966-2-1 and the meaning of an exponent; a backdrop is light; above 1 and below 0 f goes on, with
- * its slope. */
+/* Light of coded colours: the reference's image is w . f(c) of the colours c that it composites, with its rates. f is written
+ * here from IEC 61966-2-1 and the meaning of an exponent. A backdrop is light. Above 1 and below 0 f continues, with its
+ * slope. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Ground truth and the image that it is of: alpha is the image's, the instance is what covers most, a PSF blurs nothing, what
- * is asked for is what comes, and on a textured plane L_dot is -grad(L) . flow. */
+/* Ground truth and its image: alpha is the image's, the instance is the one that covers most, a PSF blurs nothing, only planes
+ * asked for are given, and on a textured plane L_dot is -grad(L) . flow. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,7 @@
-/* Light is conserved however many splats share a depth (issue 12, A): the weights sum to 1 - T, T being the product of what
- * each splat lets through by itself; what is of one colour looks it, and fires nothing under any motion; and where splats pass
- * through one another, L keeps its value and its slope. From the mathematics alone: nothing here knows how splats are mixed. */
+/* Light is conserved however many splats share a depth (issue 12, A). The weights sum to 1 - T, where T is the product of the
+ * transmittances of the single splats. A scene of one colour has it everywhere, and gives no event under any motion. Where
+ * splats pass through one another, L keeps its value and its slope. The test is by mathematics alone, and doesn't use how
+ * splats are mixed. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
-/* Steps of 4x4 blocks (stepping.unit): what is fired agrees with steps of whole tiles and with the truth, for fewer pixels; it
- * is the same however the run is cut, launched and given memory; and where pixels have their steps in common the unit changes
- * nothing. test_units_asked.c has who is asked. */
+/* Steps of 4x4 blocks (stepping.unit): events agree with those of steps of whole tiles and with exact ones, for fewer pixels.
+ * They are equal however the run is cut, launched and given memory. If pixels have their steps in common the unit changes
+ * nothing. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

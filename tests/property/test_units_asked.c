@@ -1,5 +1,4 @@
-/* Steps of 4x4 blocks (stepping.unit) on a signal in closed form: a block is composited where something asks for it and nowhere
- * else. */
+/* Steps of 4x4 blocks (stepping.unit) on a signal in closed form: a block is composited only where something asks for it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

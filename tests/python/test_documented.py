@@ -1,4 +1,4 @@
-"""Everything that `import tides` offers says what it is: modules, classes, functions, methods and properties."""
+"""Every name that `import tides` offers has a docstring: modules, classes, functions, methods and properties."""
 import inspect
 
 import tides

@@ -1,4 +1,4 @@
-/* ZIP archives, .npy files and pickles made byte by byte. Aborts where only memory can be lacking. */
+/* Makes ZIP archives, .npy files and pickles byte by byte. Aborts if memory runs out. */
 #include "archive_make.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* Test support: what a run gives, as one list of events. */
+/* Test support: the events of a run as one list. */
 #ifndef TESTS_SUPPORT_EVENT_LIST_H
 #define TESTS_SUPPORT_EVENT_LIST_H
 

@@ -1,4 +1,4 @@
-/* Small event streams for tests. */
+/* Makes small event streams for tests, by hand or at random. */
 #include "event_stream.h"
 
 #include <stdlib.h>

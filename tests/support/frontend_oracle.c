@@ -1,4 +1,4 @@
-/* The photoreceptor's equations by the classical Runge-Kutta method of fourth order. */
+/* Integrates the photoreceptor's equations by the classical Runge-Kutta method of fourth order. */
 #include "frontend_oracle.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* The photoreceptor's equations (lib/sensor/response/td_frontend.h) integrated the slow way, in long double with tiny
- * Runge-Kutta steps. */
+/* Test support: the photoreceptor's equations integrated by an independent method, in long double with tiny Runge-Kutta
+ * steps. */
 #ifndef FRONTEND_ORACLE_H
 #define FRONTEND_ORACLE_H
 

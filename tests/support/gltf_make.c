@@ -1,4 +1,4 @@
-/* glTF files of splats for tests. */
+/* Makes glTF files of splats for tests, byte by byte. */
 #include "gltf_make.h"
 
 #include <setjmp.h>

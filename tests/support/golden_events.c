@@ -1,4 +1,4 @@
-/* Frames and event streams of the shared golden files. */
+/* Reads frames and event streams of the shared golden files. */
 #include "golden_events.h"
 
 #include "signal/td_event_sort.h"

@@ -1,4 +1,4 @@
-/* Test support: frames and event streams of the shared golden files, and what a method makes of the frames. */
+/* Test support: frames and event streams of the shared golden files, and a method's events from these frames. */
 #ifndef TESTS_SUPPORT_GOLDEN_EVENTS_H
 #define TESTS_SUPPORT_GOLDEN_EVENTS_H
 

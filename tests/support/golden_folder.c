@@ -1,4 +1,4 @@
-/* Folders of golden data. */
+/* Finds the folders of golden data, and calls a test for each. */
 #include "tests/support/golden_folder.h"
 
 #include <stdarg.h>

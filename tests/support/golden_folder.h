@@ -1,4 +1,4 @@
-/* Test support: other people's results, a folder at a time. */
+/* Test support: results of other people's code, a folder at a time. */
 #ifndef TESTS_SUPPORT_GOLDEN_FOLDER_H
 #define TESTS_SUPPORT_GOLDEN_FOLDER_H
 

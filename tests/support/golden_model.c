@@ -1,4 +1,4 @@
-/* Motion models of trained folders against golden_theta.npz. */
+/* Compares motion models of trained folders with golden_theta.npz. */
 #include "tests/support/golden_model.h"
 #include "tests/support/golden_folder.h"
 

@@ -1,4 +1,4 @@
-/* Motions against files: see the header. */
+/* Compares motions made from arrays of .npz files with the files' values and rates. */
 #include "tests/support/golden_motion.h"
 
 #include "motion/td_activate.h"

@@ -1,5 +1,5 @@
-/* Projects single Gaussians with the functions of kernels/, in the precision of the file that includes this:
- * golden_project_f32.c and golden_project_f64.c, which define GOLDEN_PROJECT and GOLDEN_TILE. */
+/* Projects single Gaussians with the functions of kernels/. Two files include it, one in single and one in double precision;
+ * they define the names GOLDEN_PROJECT and GOLDEN_TILE. */
 #include "kernels/extent.h"
 
 #include "tests/support/golden_render.h"

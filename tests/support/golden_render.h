@@ -1,4 +1,4 @@
-/* Test support: files of golden/render as inputs for the renderer and results to expect of it. */
+/* Test support: files of golden/render, as inputs for the renderer and expected results. */
 #ifndef TESTS_SUPPORT_GOLDEN_RENDER_H
 #define TESTS_SUPPORT_GOLDEN_RENDER_H
 

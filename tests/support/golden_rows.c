@@ -1,4 +1,4 @@
-/* Rows of a motion against arrays of .npz files. */
+/* Compares rows of a motion with arrays of .npz files. */
 #include "tests/support/golden_rows.h"
 
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-/* Random scenes on which estimates of timing errors are tried. */
+/* Makes random scenes on which estimates of timing errors are tested. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Test support: seeded random scenes that are hard on estimates of timing errors: signals that graze a level, peaks that stop
- * just short of one or go just beyond, drifts so slow that a small error is a long time; and ordinary ones among them. */
+/* Test support: seeded random scenes that are difficult for estimates of timing errors. Signals graze a level, peaks end just
+ * short of one or just beyond, and drifts are so slow that a small error is a long time. Ordinary scenes are among them. */
 #ifndef TESTS_SUPPORT_GRAZING_WORLD_H
 #define TESTS_SUPPORT_GRAZING_WORLD_H
 

@@ -1,4 +1,4 @@
-/* Exact events from frames, and runs against them. */
+/* Computes exact events from frames, and compares runs with them. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

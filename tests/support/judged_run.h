@@ -1,6 +1,6 @@
-/* Test support: what a simulated stream is judged by. Exact events come from frames alone: L and L_dot of the double reference
- * at finely spaced times, a cubic per pixel between neighbours, and a comparator of ten lines; nothing of the solver is in it.
- * How good that is shows in the same frames, every second one left out. Errors fail the running cmocka test. */
+/* Test support: exact events, with which a simulated stream is compared. They come from frames alone: L and L_dot of the double
+ * reference at finely spaced times, a cubic per pixel between neighbours, and a comparator of ten lines. Nothing of the solver
+ * is used. Leaving out every second frame shows their accuracy. Errors fail the running cmocka test. */
 #ifndef TESTS_SUPPORT_JUDGED_RUN_H
 #define TESTS_SUPPORT_JUDGED_RUN_H
 

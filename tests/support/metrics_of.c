@@ -1,4 +1,4 @@
-/* Two event streams compared. */
+/* Compares two event streams by the library's metrics. */
 #include "tests/support/metrics_of.h"
 
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-/* Test support: two event streams compared. */
+/* Test support: compares two event streams by the library's metrics. */
 #ifndef TESTS_SUPPORT_METRICS_OF_H
 #define TESTS_SUPPORT_METRICS_OF_H
 

@@ -1,4 +1,4 @@
-/* Step control as tests of step control mean it, whatever the defaults are: the model decides when events are, in steps of
+/* Test support: settings for tests of step control, independent of the defaults: the model decides event times, in steps of
  * whole tiles. */
 #ifndef TESTS_SUPPORT_MODEL_STEPS_H
 #define TESTS_SUPPORT_MODEL_STEPS_H

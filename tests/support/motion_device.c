@@ -1,4 +1,4 @@
-/* Motions on an OpenCL device. Aborts where the device fails. */
+/* Launches motions on an OpenCL device. Aborts if the device fails. */
 #include "tests/support/motion_device.h"
 
 #include <stdlib.h>

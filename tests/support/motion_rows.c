@@ -1,4 +1,4 @@
-/* Rows of motions, over move.h. Aborts where the motion or memory fails. */
+/* Computes rows of motions. Aborts if the motion fails or memory runs out. */
 #include "tests/support/motion_rows.h"
 
 #include "tests/support/move.h"

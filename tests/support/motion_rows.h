@@ -1,4 +1,4 @@
-/* Test support: rows of geometry that a motion model gives, from the functions of kernels/ in either precision. */
+/* Test support: a motion model's rows of geometry, from the functions of kernels/ in either precision. */
 #ifndef TESTS_SUPPORT_MOTION_ROWS_H
 #define TESTS_SUPPORT_MOTION_ROWS_H
 

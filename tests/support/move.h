@@ -1,5 +1,5 @@
-/* Test support: Gaussians moved by the functions of kernels/, in single and double precision, as td_move_gaussians does. This
- * header may be included in either precision: numbers pass as doubles. */
+/* Test support: moves Gaussians by the functions of kernels/, in single and double precision, like the kernel
+ * td_move_gaussians. This header may be included in either precision: numbers pass as doubles. */
 #ifndef TESTS_SUPPORT_MOVE_H
 #define TESTS_SUPPORT_MOVE_H
 

@@ -1,5 +1,5 @@
-/* Moves Gaussians with the functions of kernels/, in the precision of the file that includes this: move_f32.c and move_f64.c,
- * which define MOVE. */
+/* Moves Gaussians with the functions of kernels/. Two files include it, one in single and one in double precision; they define
+ * the name MOVE. */
 #include "kernels/movers.h"
 
 #include "tests/support/move.h"

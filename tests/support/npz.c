@@ -1,4 +1,4 @@
-/* numpy's files for tests: the library's reader, with reasons on stderr. */
+/* Reads numpy's files for tests, by the library's reader, and prints errors on stderr. */
 #include "npz.h"
 
 #include <limits.h>

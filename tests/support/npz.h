@@ -1,4 +1,4 @@
-/* Test support: numpy's files through the library's own reader (lib/archive/td_npy.h), with reasons on stderr. */
+/* Test support: reads numpy's files by the library's own reader (lib/archive/td_npy.h), and prints errors on stderr. */
 #ifndef TESTS_SUPPORT_NPZ_H
 #define TESTS_SUPPORT_NPZ_H
 

@@ -1,4 +1,4 @@
-/* Test support: numbers that whoever runs a test may choose. */
+/* Test support: numbers that the user of a test sets in the environment. */
 #ifndef TESTS_SUPPORT_NUMBER_OF_H
 #define TESTS_SUPPORT_NUMBER_OF_H
 

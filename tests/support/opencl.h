@@ -1,4 +1,4 @@
-/* Test support: tests of which a part needs OpenCL. */
+/* Test support: skips tests, or parts of them, that need OpenCL. */
 #ifndef TESTS_SUPPORT_OPENCL_H
 #define TESTS_SUPPORT_OPENCL_H
 

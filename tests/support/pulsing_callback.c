@@ -1,4 +1,4 @@
-/* A motion by function whose parameters are sums of sines. */
+/* A motion by a function: parameters are sums of sines. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,5 @@
-/* Test support: the motion of pulsing_keyframes (splat_world.h) as a function of time instead, with its rates. */
+/* Test support: a pulsing motion (sums of sines, as the keyframes of splat_world.h have it) as a function of time, with its
+ * rates. */
 #ifndef TESTS_SUPPORT_PULSING_CALLBACK_H
 #define TESTS_SUPPORT_PULSING_CALLBACK_H
 

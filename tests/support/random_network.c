@@ -1,4 +1,4 @@
-/* Random deformation networks. Aborts where memory fails. */
+/* Makes random deformation networks. Aborts if memory runs out. */
 #include "tests/support/random_network.h"
 #include "tests/support/scene_make.h"
 

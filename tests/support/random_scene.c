@@ -1,4 +1,5 @@
-/* Random scenes: values at time 0 are rounded to float, so that the scene, which is in float, and the store agree. */
+/* Makes random scenes. Values at time 0 are rounded to float, so that the scene, which is in float, and the renderer's store
+ * agree. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

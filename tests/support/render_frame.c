@@ -1,4 +1,4 @@
-/* Frames from a backend: candidate lists, a job per tile, and the tiles put together. */
+/* Renders frames by a backend: candidate lists, a job per tile, and the tiles joined. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

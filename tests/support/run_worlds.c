@@ -1,4 +1,4 @@
-/* The worlds. Their motion is fast enough for some hundred events in 35 ms. */
+/* Makes the small worlds of test_runs.c. They move so fast that they have some hundred events in 35 ms. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

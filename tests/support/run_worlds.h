@@ -1,6 +1,6 @@
-/* Test support: the small worlds of tests/golden/test_runs.c, by name, made from seeds and from exact arithmetic: sums,
- * products and quotients only, so that they are the same on every machine. Sines are left to the library and to the support
- * that says so. Errors fail the running cmocka test. */
+/* Test support: the small worlds of tests/golden/test_runs.c, by name, made from seeds and from exact arithmetic (sums,
+ * products and quotients), so that they are equal on every machine. Sines come from the library, or from support that says so.
+ * Errors fail the running cmocka test. */
 #ifndef TESTS_SUPPORT_RUN_WORLDS_H
 #define TESTS_SUPPORT_RUN_WORLDS_H
 

@@ -1,4 +1,4 @@
-/* Random Gaussians, scenes and paths of them, and PLY files of every kind. Aborts where only memory can be lacking. */
+/* Makes random Gaussians, scenes and paths of them, and PLY files of every kind. Aborts if memory runs out. */
 #include "scene_make.h"
 
 #include "scene_folder.h"

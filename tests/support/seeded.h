@@ -1,4 +1,4 @@
-/* Random numbers of a property test, from a seed that is printed; TIDES_TEST_SEED sets it. */
+/* Test support: random numbers of a property test, from a seed that is printed; TIDES_TEST_SEED sets it. */
 #ifndef SEEDED_H
 #define SEEDED_H
 

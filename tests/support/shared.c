@@ -1,4 +1,4 @@
-/* Outside data: where it lies, and folders in sorted order (so that tests run in the same order everywhere). */
+/* Finds outside data, and lists folders in sorted order, so that tests run in the same order everywhere. */
 #include "shared.h"
 
 #include <dirent.h>

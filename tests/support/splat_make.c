@@ -1,4 +1,4 @@
-/* Packed splat files for tests. */
+/* Makes packed splat files for tests, byte by byte. */
 #include "splat_make.h"
 
 #include "scene_folder.h"

@@ -1,4 +1,4 @@
-/* Scenes made splat by splat, and paths made of sines. */
+/* Makes scenes splat by splat, and paths made of sines. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Test support: scenes put together splat by splat, in rgb and linear sizes, and paths that vibrate by a sum of sines. Errors
- * fail the running cmocka test. The camera of all of them sits at the origin and looks along +z. */
+/* Test support: scenes made splat by splat, in rgb and linear sizes, and paths that vibrate by a sum of sines. Errors fail the
+ * running cmocka test. Their camera is at the origin and looks along +z. */
 #ifndef TESTS_SUPPORT_SPLAT_WORLD_H
 #define TESTS_SUPPORT_SPLAT_WORLD_H
 

@@ -1,4 +1,4 @@
-/* Single pixels of whole tiles (tile_points.h): many tiles at a time, of which one pixel each is taken. */
+/* Values of single pixels from whole tiles: renders many tiles at a time, and takes one pixel of each. */
 #include "tile_points.h"
 
 #include "render/td_renderer.h"

@@ -1,5 +1,5 @@
-/* What the renderer's tiles show at single pixels at single times: whole tiles at as many times, of which one pixel each is
- * taken. For exact points to be held against. */
+/* Test support: the values that the renderer's tiles have at single pixels at single times, by whole tiles at these times.
+ * Exact points are compared with them. */
 #ifndef TESTS_SUPPORT_TILE_POINTS_H
 #define TESTS_SUPPORT_TILE_POINTS_H
 

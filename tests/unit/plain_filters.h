@@ -1,4 +1,5 @@
-/* Test support: a camera's filters as include/tides/filters.h says, on whole streams, one after the other. Its own code. */
+/* Test support: an independent implementation of a camera's filters by include/tides/filters.h, on whole streams, one filter
+ * after the other. */
 #ifndef TESTS_UNIT_PLAIN_FILTERS_H
 #define TESTS_UNIT_PLAIN_FILTERS_H
 

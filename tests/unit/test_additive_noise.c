@@ -1,5 +1,5 @@
-/* Additive noise: variance, correlation and spectrum within 3 standard errors of what is asked, and the same lines however they
- * are come by. */
+/* Additive noise: variance, correlation and spectrum are within 3 standard errors of the parameters, and a path doesn't depend
+ * on how it is computed. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,5 @@
-/* Animations: pictures come back from animated PNGs, video and numbered files; rates, failures and what they leave. */
+/* Animations: pictures read back from animated PNGs, video and numbered files; rates; failures, and the files that they
+ * leave. */
 #include "test_events_folder.h"
 
 #include <fcntl.h>

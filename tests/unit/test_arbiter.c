@@ -1,4 +1,4 @@
-/* The readout arbiter: what must hold for any stream, and what each kind of scanner does. */
+/* The readout arbiter: properties of any stream, and the behaviour of each kind of scanner. */
 #include "tides/readout.h"
 
 #include "td_random.h"

@@ -1,4 +1,4 @@
-/* Files of arrays: every format gives back what was written, one value for each window too; refusals and what they leave. */
+/* Files of arrays: every format reads back as written, with values per window; refusals, and the files that they leave. */
 #include "test_events_folder.h"
 
 #include <hdf5.h>

@@ -1,4 +1,4 @@
-/* Processes that are told to write one file at the same moment: one of them does at least, and what is there is whole. */
+/* Several processes write one file at the same moment: at least one succeeds, and the file is whole. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

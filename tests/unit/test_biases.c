@@ -1,5 +1,5 @@
-/* Bias settings: eight sets of DAVIS cameras as their own files say them, against a table's numbers; formats, traps of formats,
- * and what a run says of them. The numbers are the table's, worked out from the sources, not by this code. */
+/* Bias settings: eight sets of DAVIS cameras, in their own files' form, against a table's numbers; difficult cases of the
+ * formats; and a run's messages about them. The table's numbers were computed from the sources, not by this code. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

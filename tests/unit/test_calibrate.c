@@ -1,5 +1,5 @@
-/* A sensor that was simulated is found again from its events and the light; what doesn't belong together is refused, with the
- * reason; what comes out is a preset. */
+/* A simulated sensor is measured again from its events and the light. Recordings that don't match the light are refused, with
+ * the reason. The result is a preset. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

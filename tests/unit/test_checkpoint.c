@@ -1,4 +1,4 @@
-/* Checkpoints: a run that is cut, saved and restored in a new simulator gives the same events, state and totals to the bit,
+/* Checkpoints: a run that is cut, saved and restored in a new simulator gives equal events, state and totals to the bit,
  * wherever it is cut, and may be extended. */
 #include "test_checkpoint_common.h"
 #include "tests/support/opencl.h"

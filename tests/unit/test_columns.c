@@ -1,4 +1,4 @@
-/* Lines that name columns, in the spellings that files have: names, units, order, and what is no such line. */
+/* Lines that name columns, in other tools' spellings: names, units, order, and lines that aren't such. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

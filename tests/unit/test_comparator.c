@@ -1,4 +1,4 @@
-/* The comparator: closed forms over many steps, what happens at a step's ends, and failures that leave no trace. */
+/* The comparator: closed forms over many steps, events at a step's ends, and failures that change nothing. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

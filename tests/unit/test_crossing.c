@@ -1,4 +1,4 @@
-/* The local model and its crossings: closed forms, degenerate cubics, and input that is no number. */
+/* The local model and its crossings: closed forms, degenerate cubics, and NaN. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

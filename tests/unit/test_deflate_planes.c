@@ -1,5 +1,5 @@
-/* Planes of bytes of every kind, alone and together: they come back from zlib's inflate and from libdeflate's, none takes more
- * bytes than it should, and what finds no room writes nothing behind it. */
+/* Planes of bytes of every kind, alone and together: zlib and libdeflate unpack them, none takes more bytes than it should, and
+ * without room nothing is written beyond the end. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* Devices: listing, opening by SPEC, what the errors say, the table of built programs, and a machine without OpenCL (this
- * program again, as a child whose OpenCL loader finds no driver). */
+/* Devices: listing, opening by SPEC, error messages, the table of built programs, and a machine without OpenCL (this program
+ * again, as a child whose OpenCL loader finds no driver). */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

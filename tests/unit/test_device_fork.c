@@ -1,5 +1,5 @@
-/* A process that has used a device and then forks: the child hears so in one error, at once, and can still do what needs no
- * driver; the parent goes on as before. */
+/* A process that has used a device and then forks: the child gets one error, at once, and can still use functions that need no
+ * driver. The parent goes on as before. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Devices that several threads open at once, in processes that haven't loaded OpenCL's drivers before: each round is this
- * program again, as a child. */
+/* Several threads open devices at once, in processes that haven't loaded OpenCL's drivers before: each round is this program
+ * again, as a child. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* The codec of Prophesee's HDF5 files: the three ways in which their encoder packs coordinates, each byte by hand from its
- * description; what is packed here comes back; what isn't whole is refused. */
+/* The codec of Prophesee's HDF5 files: the three ways in which their encoder packs coordinates, with bytes by hand from its
+ * description. Chunks packed here read back; incomplete ones are refused. */
 #include "test_events_common.h"
 
 #include "events/td_ecf.h"

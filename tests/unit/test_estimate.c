@@ -1,4 +1,4 @@
-/* The error estimate of a tile's step against closed forms, and which pixels it counts. */
+/* The error estimate of a tile's step against closed forms, and the pixels that count in it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

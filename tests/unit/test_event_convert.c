@@ -1,4 +1,4 @@
-/* Conversion of event files: order, windows, time zero, the sensor's size; and the decimal numbers that text files hold. */
+/* Conversion of event files: order, windows, time zero, the sensor's size; and decimal numbers of text files. */
 #include "test_events_common.h"
 
 #include "events/td_event_format.h"

@@ -1,5 +1,5 @@
-/* Prophesee's words, EVT 2.0, 2.1 and 4.0, against a decoder that is written here from their layout: what is written, word by
- * word, and files that only cameras write: masks, triggers, padding, words before the first time, times that begin anew. */
+/* Prophesee's words, EVT 2.0, 2.1 and 4.0, against a decoder written here from their layout: files by TIDES, word by word, and
+ * forms that only cameras write: masks, triggers, padding, words before the first time, times that start again. */
 #include "test_events_common.h"
 
 #include "td_endian.h"

@@ -1,5 +1,5 @@
-/* Folders of data sets: each layout is found by what lies where, its files are read in order, sizes come from what lies beside,
- * and what can't be told apart is asked for. */
+/* Folders of data sets: each layout is found by its files, these are read in order, sizes come from files beside them, and
+ * ambiguous folders need an option. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Every format that is written reads back as what was written, floored to its tick: bursts, silences beyond each turn of its
- * clock, simultaneous events, the corners of the sensor, nothing at all. And what a format can't hold is refused. */
+/* Every format that is written reads back as written, rounded down to its tick: bursts, silences beyond each overflow of its
+ * clock, simultaneous events, the corners of the sensor, no events. Events that a format can't hold are refused. */
 #include "test_events_common.h"
 
 /* What a format is tried with: the largest sensor, the longest silence that its clock or the test's time allows [ns]. */

@@ -1,5 +1,5 @@
-/* Event files that aren't what they claim: cut off, altered, lying about sizes and counts, out of order. Each is one clear
- * error, or events; never a crash (the sanitisers run this too). And packets compressed as real recorders do. */
+/* Event files with false content: cut off, altered, with wrong sizes and counts, out of order. Each gives one clear error, or
+ * events; never a crash (the sanitisers run this too). And packets compressed as by real recorders. */
 #include "test_events_common.h"
 
 #include <zstd.h>

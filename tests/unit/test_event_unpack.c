@@ -1,4 +1,4 @@
-/* LZ4 frames of AEDAT 4's packets: what the format allows unpacks; what is damaged, cut off or too much is told. */
+/* LZ4 frames of AEDAT 4's packets: all that the format allows unpacks; damaged, incomplete or too large ones are reported. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

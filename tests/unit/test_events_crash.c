@@ -1,4 +1,4 @@
-/* Event files whose writer dies, is killed, or runs out of space: what was flushed stays readable. */
+/* Event files whose writer crashes, is killed, or runs out of space: flushed events stay readable. */
 #include "test_events_common.h"
 
 #include <time.h>

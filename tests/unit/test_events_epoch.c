@@ -1,6 +1,6 @@
-/* Event files at absolute times: HDF5 counts from t_offset where 32-bit microseconds from 0 won't do, as DSEC's own files, and
- * reads back to the nanosecond, in one piece, in portions and resumed; other formats hold such times or say at once that they
- * can't. */
+/* Event files at absolute times. HDF5 counts from t_offset if 32-bit microseconds from 0 aren't enough, like DSEC's own files,
+ * and reads back to the nanosecond, in one piece, in portions and resumed. Other formats hold such times, or refuse them at
+ * once. */
 #include "test_events_common.h"
 
 #include <unistd.h>

@@ -1,5 +1,5 @@
-/* Shared by the tests of files (events, images): a folder to write in that is gone afterwards, random numbers, and a child
- * process under a file size limit, which is how a full disk is acted. */
+/* Shared by the tests of files (events, images): a folder that is removed afterwards, random numbers, and a child process with
+ * a limit on file sizes, which acts as a full disk. */
 #ifndef TEST_EVENTS_FOLDER_H
 #define TEST_EVENTS_FOLDER_H
 

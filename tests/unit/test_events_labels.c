@@ -1,5 +1,5 @@
-/* Labels of events in files: causes where there are any, all of them where asked for; the same after a recording was
- * interrupted, refused where damaged or where the format has no place for them. */
+/* Labels of events in files: causes if there are any, all labels on request. They survive an interruption of the recording, and
+ * are refused if damaged, or if the format can't hold them. */
 #include "test_events_common.h"
 #include "archive/td_numbers.h"
 #include "td_half.h"

@@ -1,4 +1,4 @@
-/* The reader of event files: windows, other people's files in the DSEC layout, and files that aren't what they claim. */
+/* The reader of event files: windows, other tools' files in the DSEC layout, and files with false content. */
 #include "test_events_common.h"
 
 #include "tests/support/npz.h"

@@ -1,5 +1,5 @@
-/* Recordings that are interrupted and resumed: whatever happens to the process, and wherever it is cut, the finished file holds
- * the same datasets as that of a recording in one piece, and the .part stays readable meanwhile. */
+/* Recordings that are interrupted and resumed: however the process ends, and wherever it is cut, the finished file has the
+ * datasets of an uninterrupted recording, and the .part stays readable meanwhile. */
 #include "test_events_common.h"
 
 #include <sys/stat.h>

@@ -1,6 +1,6 @@
-/* Recordings whose process dies within a write. A signal that kills is heeded between two pages of a write, so that a piece of
- * metadata may be new on one page and old on the next: the process dies here at each page of each write of a recording, and
- * of one that is gone on with, and the .part must hold what was flushed and lead to the same file. */
+/* Recordings whose process dies within a write. A signal that kills acts between two pages of a write, so that a piece of
+ * metadata may be new on one page and old on the next. Here the process dies at each page of each write of a recording, and of
+ * a resumed one. The .part must have the flushed events and lead to the same file. */
 #include "test_events_common.h"
 
 #include <sys/stat.h>

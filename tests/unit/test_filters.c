@@ -1,5 +1,5 @@
-/* The filters behind the readout, held event for event against a plain implementation of what include/tides/filters.h says:
- * one that looks at whole streams, a filter after the other, and shares nothing with lib/filters (plain_filters.h). */
+/* The filters behind the readout, event for event against an independent implementation of include/tides/filters.h
+ * (plain_filters.h): it handles whole streams, one filter after the other, and shares nothing with lib/filters. */
 #include "tests/unit/plain_filters.h"
 
 #include "signal/td_event_sort.h"

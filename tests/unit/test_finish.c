@@ -1,5 +1,5 @@
-/* A driver that fails to wait: the call is refused, and memory that commands under way still use isn't freed below them. This
- * program's clFinish stands in front of the driver's, and fails once, without waiting, at a call that is told. */
+/* A driver that fails to wait: the call fails, and memory that commands under way still use isn't freed. This program's
+ * clFinish replaces the driver's, and fails once, without waiting, at a given call. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Frame sequences: each kind of file gives the values that were written, times come from where they should, and what is wrong
- * is said. */
+/* Frame sequences: each kind of file gives the values that were written, times come from the right place, and wrong files are
+ * reported. */
 #include "test_events_folder.h"
 
 #include <hdf5.h>

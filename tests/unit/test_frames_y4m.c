@@ -1,5 +1,5 @@
-/* YUV4MPEG2 videos: of every sampling, depth and range the light that was put in, at the header's rate, from a file and from a
- * pipe; what is wrong is said in one line. */
+/* YUV4MPEG2 videos of every sampling, depth and range give the light that was written, at the header's rate, from a file and
+ * from a pipe; wrong ones are reported in one line. */
 #include "test_events_folder.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Gaussians moved by affine maps: shapes, places, and colours that are seen from where they were. */
+/* Gaussians moved by affine maps: shapes, places, and colours, which must look the same from the moved viewpoint. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

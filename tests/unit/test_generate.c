@@ -1,5 +1,5 @@
-/* The generators: the same options give the same world, numbers and times are what was asked for, things stay where they belong
- * and move as physics has it, and bad options are refused by name. */
+/* The generators: equal options give equal worlds, numbers and times are as asked for, motions follow physics, and wrong
+ * options are refused by name. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* The grid of steps: regular points as ever without knots, knots as points of their own, no slivers, and the way back from a
- * time to a point. Compared with a grid made the slow way: a sorted list. */
+/* The grid of steps: regular points don't change without knots, knots are points too, no step is tiny, and times lead back to
+ * points. Compared with an independent grid: a sorted list. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

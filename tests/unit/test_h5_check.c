@@ -1,4 +1,4 @@
-/* Object headers of HDF5 files: damaged messages are told, and nothing that isn't one is taken for one. */
+/* Object headers of HDF5 files: damaged messages are reported, and other bytes aren't taken for messages. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

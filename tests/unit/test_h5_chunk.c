@@ -1,5 +1,5 @@
-/* Whole chunks packed plane by plane (lib/archive/h5_chunk.c): whatever kinds the planes are, and in whatever order, HDF5 reads
- * the values back, and its checksum finds them whole. */
+/* Whole chunks packed plane by plane (lib/archive/h5_chunk.c): whatever the kinds and the order of planes, HDF5 reads the
+ * values back, and its checksum is right. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* Texts in HDF5 files, of fixed and of variable length, in both forms of object headers, in files and in memory; and metadata
- * that go in circles, which HDF5 would follow for ever. */
+/* Texts in HDF5 files, of fixed and of variable length, in both forms of object headers, in files and in memory; and circular
+ * metadata, which HDF5 would follow for ever. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* The high-pass: against a fine integration of its equations, of cubics, over rates from slow to fast and equal; the same in
- * pieces; and what it makes of an edge. */
+/* The high-pass against a fine integration of its equations, for cubics, with rates from slow to fast and equal ones; cut into
+ * pieces; and its response to an edge. */
 #include "sensor_rig.h"
 
 #include <stdio.h>

@@ -111,6 +111,13 @@ static void scenes_in_several_files(void **state) {
     put(f, "lod/lod-meta.json",
         "{\"filenames\":[\"0_0/meta.json\",\"1_0/meta.json\"],\"tree\":{\"lods\":{\"0\":{\"file\":0,\"offset\":0,\"count\":1},"
         "\"1\":{\"file\":1,\"offset\":0,\"count\":1}}}}");
+    make_folder(f, "lcc2");
+    put(f, "lcc2/0.sog", "x");
+    put(f, "lcc2/1.sog", "x");
+    put(f, "lcc2/2.sog", "x");
+    put(f, "lcc2/a.lcc2",
+        "{\"totalLevels\":1,\"root\":{\"splatFiles\":[\"0.sog\",\"1.sog\",\"2.sog\"],\"data\":{\"env\":{\"name\":2}},\"child\":"
+        "[{\"data\":{\"3dgs\":{\"name\":1}}}]}}");
     static const char buffers[] =
         "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"data:;base64,AAAA\"},{\"uri\":\"a.dat\"},"
         "{},{\"uri\":\"deep/b%20c.bin\"},{\"uri\":\"../p.txt\"},{\"uri\":\"never.bin\"}]}";
@@ -124,6 +131,8 @@ static void scenes_in_several_files(void **state) {
     free(binary.data);
     inputs_are(f, "{\"scene\": {\"file\": \"lod/lod-meta.json\"}, \"camera\": {\"file\": \"p.txt\"}}",
                "scene.file lod/lod-meta.json|scene.file lod/0_0/meta.json|scene.file lod/0_0/means_l.webp|camera.file p.txt");
+    inputs_are(f, "{\"scene\": {\"file\": \"lcc2/a.lcc2\"}, \"camera\": {\"file\": \"p.txt\"}}",
+               "scene.file lcc2/a.lcc2|scene.file lcc2/1.sog|scene.file lcc2/2.sog|camera.file p.txt");
     inputs_are(f, "{\"scene\": {\"file\": \"gltf/a.gltf\"}, \"camera\": {\"file\": \"p.txt\"}}",
                "scene.file gltf/a.gltf|scene.file gltf/a.dat|scene.file gltf/deep/b c.bin|camera.file p.txt");
     inputs_are(f, "{\"scene\": {\"file\": \"gltf/b.glb\"}, \"camera\": {\"file\": \"p.txt\"}}",

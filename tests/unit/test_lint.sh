@@ -1,5 +1,5 @@
 #!/bin/bash
-# The stages of scripts/lint.sh that look at the house as a whole find what they are there for, in a small tree made here.
+# The stages of scripts/lint.sh that check the whole repository find their faults, in a small tree made here.
 set -u
 house="${PYTHON:-python3} $PWD/scripts/house.py"
 work=$(mktemp -d)

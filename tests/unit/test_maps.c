@@ -1,5 +1,5 @@
-/* Maps of a sensor's pixels: what a file says is what pixels have, what it doesn't is drawn as ever; written, read and drawn
- * again; and files that can't be. */
+/* Maps of a sensor's pixels: a file's values become the pixels', missing ones are drawn as without a file; maps are written,
+ * read and drawn again; wrong files are refused. */
 #include "sensor_rig.h"
 
 #include "archive/td_npy.h"

@@ -1,4 +1,4 @@
-/* Exact streams settle, and are what closed forms say; ideal settings leave nothing of a method but how it sees the image. */
+/* Exact streams converge, and agree with closed forms. With ideal settings methods differ only in how they see the image. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

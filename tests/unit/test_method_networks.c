@@ -1,5 +1,5 @@
-/* Readers of 4DGaussians and Deformable-3DGS: what a trainer saved comes back as the same arrays, options of cfg_args count,
- * and what is missing or unknown is said. Files are made here byte by byte. */
+/* Readers of 4DGaussians and Deformable-3DGS: a trainer's arrays read back, options of cfg_args count, and missing or unknown
+ * parts are reported. Files are made here byte by byte. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

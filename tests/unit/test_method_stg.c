@@ -1,5 +1,5 @@
-/* Reader of SpacetimeGaussians: rgbfunction in cfg_args chooses how the full model's decoder ends, and is no matter to lite
- * models. Files are made here byte by byte. */
+/* Reader of SpacetimeGaussians: rgbfunction in cfg_args chooses the full model's last function, and is ignored for lite models.
+ * Files are made here byte by byte. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Event-stream metrics where there is little or nothing to compare, and what is refused. */
+/* Event-stream metrics with few events or none, and refusals. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Motions from arrays and from a function: what is refused and how it is said, which Gaussians rest, what a callback may do. */
+/* Motions from arrays and from a function: refusals and their messages, which Gaussians rest, what a callback may do. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

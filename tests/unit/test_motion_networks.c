@@ -1,4 +1,4 @@
-/* Deformation networks: what is refused and how it is said, what is inferred from shapes, which Gaussians rest. */
+/* Deformation networks: refusals and their messages, sizes inferred from shapes, which Gaussians rest. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

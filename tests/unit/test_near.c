@@ -1,5 +1,5 @@
-/* Buffers that host and device share (lib/device/td_near.h): what is written, read, lent and grown is what it is through
- * commands, and so are an image and a whole run, to the bit. */
+/* Buffers that host and device share: writing, reading, lending and growing give the results of commands, and an image and a
+ * whole run are equal to the bit. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* Noise of the photocurrent, against a direct simulation of the pixel: electrons' white noise on ln I, the photoreceptor's
- * equation driven by it in steps of a fraction of its time constants, a comparator behind it. Rates of ON and OFF and the share
- * of successive events that alternate, over light, thresholds and bandwidth, within 10 %. */
+ * equation driven by it in steps of a fraction of its time constants, and a comparator behind it. Compared within 10 %: rates
+ * of ON and OFF, and the share of successive events that alternate, over light, thresholds and bandwidth. */
 #include "sensor_rig.h"
 #include "td_random.h"
 #include "signal/td_event_sort.h"

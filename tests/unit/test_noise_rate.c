@@ -1,6 +1,6 @@
-/* How often additive noise fires, against the process itself: the Ornstein-Uhlenbeck process through the comparator, with the
- * signal at rest by its closed form, and with moving signals, refractory periods and unequal thresholds by an independent
- * simulation of it in steps so short that more don't show. All within 3 standard errors. */
+/* The rate of events by additive noise, against the process itself: the Ornstein-Uhlenbeck process through the comparator. With
+ * the signal at rest by its closed form. With moving signals, refractory periods and unequal thresholds by an independent
+ * simulation in steps so short that shorter ones don't matter. All within 3 standard errors. */
 #include "sensor_rig.h"
 #include "td_random.h"
 #include "signal/td_event_sort.h"

@@ -1,4 +1,4 @@
-/* numpy's files: structured and big-endian dtypes, what is written, and what must be refused. */
+/* numpy's files: structured and big-endian dtypes, files by the library, and refusals. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* The reader of numpy files that the other tests lean on: against archives made here and, where present, the golden ones. */
+/* The reader of numpy files on which other tests depend: archives made here and, if present, the golden ones. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

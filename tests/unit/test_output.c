@@ -1,5 +1,5 @@
-/* Where outputs go: files are replaced, what links lead to is written and the links stay, devices and FIFOs are written into by
- * formats that can, folders are refused; by every writer of the library. */
+/* Outputs of every writer of the library: files are replaced, links' targets are written and the links stay, devices and FIFOs
+ * are written by formats that can, folders are refused. */
 #define _DEFAULT_SOURCE /* mknod */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
-/* The parameter table, row by row: a row's value goes into its own field and no other, its default is the field's, and a run
- * varied is the run that had been read with those overrides. The table of statistics has every field of theirs. */
+/* The parameter table, row by row: a row's value goes into its own field and no other, its default is the field's, and varying
+ * a run equals reading it with those overrides. The table of statistics has every field of tides_stats. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

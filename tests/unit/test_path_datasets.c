@@ -1,5 +1,5 @@
-/* Camera files of datasets, made by the test: COLMAP, EuRoC, LLFF, nerfies and KITTI: poses, intrinsics, order, what is looked
- * for beside a file and in a folder, and every way of being wrong. */
+/* Camera files of datasets, made by the test: COLMAP, EuRoC, LLFF, nerfies and KITTI: poses, intrinsics, order, companion files
+ * beside a file and in a folder, and every error. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Path files that are wrong: each refused with the status and the words that lead to the mistake, on one line, with the
- * result untouched. The texts go to the parser that tides_path_load calls once it has read a file. */
+/* Wrong path files: each is refused with the status and words that lead to the mistake, on one line, with the result untouched.
+ * The texts go to the parser that tides_path_load calls after reading a file. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Lenses of path files: each model as tides_lens has it, what none is, and what differs from frame to frame. */
+/* Lenses of path files: the models of tides_lens, files without a lens, and lenses that differ from frame to frame. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Files without times: poses in the order of their pictures' names, digits as numbers, whatever the list's; and a line where
- * poses leap. */
+/* Files without times: poses are in the order of their pictures' names, digits as numbers, whatever the list's order; and a
+ * message where poses leap. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

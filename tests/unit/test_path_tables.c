@@ -1,5 +1,5 @@
-/* Pose tables of other tools: names of columns decide about order and units in any spelling, numbers where there are none, and
- * what could be several is refused. */
+/* Pose tables of other tools: names of columns decide order and units in any spelling, numbers where there are none; ambiguous
+ * tables are refused. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Views: which poses of a path file are kept, what their cameras have in common, and nerfstudio's camera_path.json. */
+/* Views: which poses of a path file are kept, the common properties of their cameras, and nerfstudio's camera_path.json. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* torch's files: values and tensors from pickles made by hand, and everything that must be refused. */
+/* torch's files: values and tensors from pickles made by hand, and all kinds of refusals. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Pictures of data: known values have known colours, odd ones stand out, and nothing is drawn outside the picture. */
+/* Pictures of data: known values have known colours, special values stand out, and nothing is drawn outside the picture. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* A pixel's signal as cubics between the places where it is known: values, slopes, crossings; and a sensor's pixel that is
- * taken back to where it was. */
+/* A pixel's signal as cubics between the places where it is known: values, slopes, crossings; and restoring a sensor's
+ * pixel. */
 #include "sensor_rig.h"
 
 #include "signal/td_pieces.h"

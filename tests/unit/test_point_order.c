@@ -1,4 +1,4 @@
-/* Points that are worked out together: every one goes once, and what goes together is near, in pixels and in time. */
+/* Points that are computed together: each one is in exactly one group, and a group is close in pixels and in time. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,5 @@
-/* The pool of threads: every part once, whatever the number of threads; one starts none; a forked child does without. */
+/* The pool of threads: each part is done once, with any number of threads; one thread starts none; a forked child works
+ * without. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Probes: where steps are cut, what a cubic is off by there against closed forms, and how far the deviation bounds the parts'
- * errors wherever a kink is. */
+/* Probes: where steps are cut, a cubic's deviation there against closed forms, and how well the deviation bounds the parts'
+ * errors, wherever a kink is. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

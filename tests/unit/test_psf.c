@@ -1,5 +1,5 @@
-/* The PSF against closed forms, on images that a backend of the test's own makes: blurs of a Gaussian and of an edge, rates
- * against central differences, borders. And on real scenes: a tile's blur is the same to the bit whatever else is asked for. */
+/* The PSF against closed forms, on images by a backend of the test: blurs of a Gaussian and of an edge, rates against central
+ * differences, borders. On real scenes a tile's blur is equal to the bit whatever other tiles are asked for. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,5 @@
-/* Wide point spread functions, which are blurred on a coarse image: against the sampled Gaussian, worked out pixel by pixel;
- * at a cost that doesn't grow with the width; tiles alone and an image at once to the same bits; and stopped when somebody
- * asks. */
+/* Wide point spread functions, which are blurred on a coarse image: against the sampled Gaussian, pixel by pixel; at a cost
+ * that doesn't grow with the width; single tiles and an image at once to the same bits; and stopped on request. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

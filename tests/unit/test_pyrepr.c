@@ -1,4 +1,4 @@
-/* Python literals: what repr() writes, and what it doesn't. */
+/* Python literals: texts by repr(), and others. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

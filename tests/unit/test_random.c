@@ -1,4 +1,4 @@
-/* Counter-based random numbers: the published values, independence of what they are for, and their distributions. */
+/* Counter-based random numbers: the published values, independence of purposes, and their distributions. */
 #include "td_random.h"
 
 #include <float.h>

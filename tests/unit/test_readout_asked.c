@@ -1,5 +1,5 @@
-/* Readouts without ticks, held in every time stamp against plain ones: a row's turn, its latch and its events, and frames,
- * worked out from the whole stream at once, with lists in place of queues. */
+/* Readouts without ticks, against independent ones in every time stamp: a row's turn, its latch and its events, and frames,
+ * computed from the whole stream at once, with lists in place of queues. */
 #include "readout/td_arbiter.h"
 
 #include "signal/td_event_sort.h"

@@ -1,4 +1,4 @@
-/* Rectification maps: taken back through the lens, written here once more, each place is its pixel. */
+/* Rectification maps: through the lens, written here independently, each place leads back to its pixel. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* What the renderer and the simulator refuse, and what they say: cameras, image parameters, scenes, paths, kernels that don't
+/* Refusals of the renderer and the simulator, and their messages: cameras, image parameters, scenes, paths, kernels that don't
  * build. Outputs stay untouched. */
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* Voxel grids, event frames and time surfaces: by hand, at their edges, and what is refused. */
+/* Voxel grids, event frames and time surfaces: by hand, at their limits, and refusals. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Rigs: what sits on a body is composed with it to rounding, in pose and rate; a run is of the camera that rig.camera names,
- * that camera's own keys between the file's and --set's; sessions of one rig share the scene; bad rigs are refused by name. */
+/* Rigs: a camera's pose and rate on a body are composed to rounding. A run uses the camera that rig.camera names, whose own
+ * keys come between the file's and --set's. Sessions of one rig share the scene. Wrong rigs are refused by name. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* rig.file: Kalibr's camera chains as rigs: lenses, pixel centres and places as they are meant; merged with rig.cameras; what
- * is no such chain is refused in a line that names it. */
+/* rig.file: Kalibr's camera chains as rigs: lenses, pixel centres and poses; merged with rig.cameras; other files are refused
+ * in a line that names them. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

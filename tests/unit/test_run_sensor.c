@@ -1,4 +1,4 @@
-/* Keys of the sensor and the readout reach their fields; every preset is accepted, and what the user says wins over it. */
+/* Keys of the sensor and the readout reach their fields; every preset is accepted, and the user's values override it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* The object store: what goes in comes out, what can't be rendered is refused by name, trajectories are copied; and
+/* The object store: objects read back as added, those that can't be rendered are refused by name, trajectories are copied; and
  * writing PLY: round trips, unwritable places, a full disk. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,5 @@
-/* Splats of glTF made by the test: values, places of nodes, drafts of the extension, containers; and .glb as it is written. */
+/* Splats of glTF made by the test: values, transforms of nodes, drafts of the extension, containers; and .glb by the
+ * library. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* TIDES's own scene files: round trips with everything a scene holds, placement, and HDF5 kept quiet. */
+/* TIDES' own scene files: round trips with everything that a scene has, placement, and no messages from HDF5. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* TIDES's own scene files as other programs write them, and every way of being wrong, with its message: a good file is
- * edited through HDF5 and read. */
+/* TIDES' own scene files as other programs write them, and every error with its message: a valid file is edited through HDF5
+ * and read. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* The orbit that is found for a scene: 99 % of a thing within the image from every side, the image filled, and strays ignored;
- * in a place, where its photographer stood. */
+/* The orbit for a scene: 99 % of a thing is within the image from every side, the image is filled, and strays are ignored;
+ * inside a place it is where the photographer stood. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Means far from (0, 0, 0): which scenes get an origin, that no reader rounds what its file holds before it is taken off, that
- * files are written with the coordinates that they had, and that motions see those. */
+/* Means far from (0, 0, 0): which scenes get an origin, no reader rounds a file's means before it is subtracted, files are
+ * written with their own coordinates, and motions see those too. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Files that hold more than they show at first: what else there is is said, and scene.part reads it. */
+/* Files with more content than is read at first: a message lists it, and scene.part reads it. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* .splatv files made by the test, byte by byte: where Gaussians are at times, by the formula of splaTV's shader, and every way
- * of being wrong. */
+/* .splatv files made by the test, byte by byte: places of Gaussians at times, by the formula of splaTV's shader, and every
+ * error. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

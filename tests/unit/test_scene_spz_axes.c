@@ -1,5 +1,5 @@
-/* A .spz whose record says which axes its values are in: all 17 coordinate systems, by what their names say and nothing of the
- * reader's: where things are, what shape they have, what colour they show to each side. And records that are wrong. */
+/* A .spz whose record names the axes of its values: all 17 coordinate systems, by the meaning of their names, independently of
+ * the reader: places, shapes, and colours on each side. And records that are wrong. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* What files say of how a scene must be drawn: tags in each format, there and back, what files can't hold, and the image that
- * image.antialias = file makes of it. */
+/* Tags of files that tell how a scene must be drawn: in each format, there and back, formats that can't hold them, and the
+ * image by image.antialias = file. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* What the front end adds to events, against closed forms; and the low-passes of a whole tile against its pixels one by
+/* The front end's contribution to events, against closed forms; and the low-passes of a whole tile against its pixels one by
  * one, the constant one to the bit. */
 #include "sensor_rig.h"
 

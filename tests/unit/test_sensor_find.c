@@ -1,4 +1,4 @@
-/* Which ideal pixels may do something in a step, and which have a level within reach, against both said of one pixel. */
+/* Which ideal pixels may do something in a step, and which have a level within reach, for blocks against single pixels. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Values of a sensor that go with the run's light, with temperature, and with the parity of columns; and the cause of a
- * pixel's first event, which began on its way to a level. */
+/* Values of a sensor that depend on the run's light, on temperature, and on the parity of columns; and the cause of a pixel's
+ * first event, which began on its way to a level. */
 #include "sensor_rig.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
-/* What the sensor draws, on 10^5 draws or more: rates, their law, Poisson intervals, mismatch, spreads, fractions; each within
- * 3 standard errors. And that it depends on the seed and the pixel alone. */
+/* Random values of the sensor, on 10^5 draws or more: rates, their law, Poisson intervals, mismatch, spreads, fractions; each
+ * within 3 standard errors. They depend only on the seed and the pixel. */
 #include "sensor_rig.h"
 #include "signal/td_event_sort.h"
 #include "td_sort.h"

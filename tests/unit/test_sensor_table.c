@@ -1,5 +1,5 @@
-/* The tables of docs/guide/sensors.md: what each preset of a camera makes of a rising edge of 100 % contrast, of a lamp of 100
- * Hz, and of a grey wall in four lights, measured on its comparator. The page says what is measured here, digit for digit. */
+/* The tables of docs/guide/sensors.md: each camera preset's response to a rising edge of 100 % contrast, to a lamp of 100 Hz,
+ * and to a grey wall in four lights, measured on its comparator. The page has these values, digit for digit. */
 #include "sensor_rig.h"
 #include "signal/td_event_sort.h"
 

@@ -1,5 +1,5 @@
-/* Sessions: a run file run whole gives what its parts give by hand, into a sink or a file, in one piece or two; variations
- * share what is open; what can't be had is refused before anything is made. */
+/* Sessions: a run file run whole gives the results of its parts by hand, into a sink or a file, in one piece or two. Variations
+ * share open inputs, and impossible ones are refused before anything is made. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,5 @@
-/* Kernel texts: includes put in once each, #line true for every line, files from the library or from $TIDES_KERNEL_DIR. */
+/* Kernel texts: each include is inserted once, #line is right for every line, and files come from the library or from
+ * $TIDES_KERNEL_DIR. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

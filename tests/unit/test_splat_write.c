@@ -1,4 +1,4 @@
-/* .spz and .splat as they are written: read back they are what was saved, to what their bytes can hold. */
+/* .spz and .splat by the library: they read back as saved, to the precision of their bytes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* Where references are when a run with additive noise begins: a steady sensor at rest fires from its first moment as often as
- * ten seconds later. */
+/* References when a run with additive noise begins: a steady sensor at rest fires from its first moment as often as ten seconds
+ * later. */
 #include "sensor_rig.h"
 
 #include <stdio.h>

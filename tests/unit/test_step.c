@@ -1,4 +1,4 @@
-/* Time steps: grids that stay exact over long runs, times before zero, and steps that can't be. */
+/* Time steps: grids that stay exact over long runs, times before zero, and invalid steps. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

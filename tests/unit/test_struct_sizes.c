@@ -1,5 +1,5 @@
-/* Structs of parameters from older and newer callers: one rule for all (lib/base/td_struct.h), and a table of them, which
- * the headers are searched for: a new public struct with `size` fails here until it has a row. */
+/* Structs of parameters from older and newer callers: one rule for all (lib/base/td_struct.h), and a table of them. The test
+ * searches the headers: a new public struct with `size` fails here until it has a row. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

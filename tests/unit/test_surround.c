@@ -1,4 +1,4 @@
-/* The centre-surround against closed forms and against a plain integration of its equation. */
+/* The centre-surround against closed forms and against a direct integration of its equation. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,5 @@
-/* On what scale of time motion models say that they move Gaussians: by what they were made from. */
+/* The time scales on which motion models say that they move Gaussians, against those of the parameters from which they were
+ * made. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

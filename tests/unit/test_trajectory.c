@@ -1,5 +1,5 @@
-/* Trajectories: through the samples, as smooth and as accurate as curve.c says, precise far from time 0, and every bad input
- * refused by name. */
+/* Trajectories: they pass through the samples, are as smooth and as accurate as promised, precise far from time 0, and every
+ * wrong input is refused by name. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

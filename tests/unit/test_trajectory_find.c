@@ -1,4 +1,4 @@
-/* Which segment of a path holds a time: what the strays of a view look at begins there. */
+/* Which segment of a path contains a time: bounds on a view's strays begin with it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Generated paths: against their formulas between samples too, deterministic in their parameters, and bad ones refused. */
+/* Generated paths: against their formulas between samples too, deterministic in their parameters; wrong ones are refused. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Paths that are told as they go: what is refused leaves nothing. */
+/* Open paths, which are extended during a run: a refused pose changes nothing. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* Ground truth out of files: what DSEC's and TUM's pictures and BlinkFlow's arrays say, planes by name, NaN where nothing is
- * known; what is no ground truth is refused in a line. */
+/* Ground truth from files: values of DSEC's and TUM's pictures and BlinkFlow's arrays, planes by name, NaN where unknown; other
+ * files are refused in a line. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

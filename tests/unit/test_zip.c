@@ -1,4 +1,4 @@
-/* ZIP archives: members as they were put in, and archives that lie. */
+/* ZIP archives: members read back as stored, and archives with false content. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
-/* The dynamic objects of a scene: which of the store's objects have a motion, the times at which its rates may jump (knots),
- * and the scales of time that its model declares. Made once per renderer, for the other files of this folder and for the
- * run's grid of steps, which takes in the knots; rows are theirs (rows.c). */
+/* The dynamic objects of a scene: objects of the store with a motion, the times at which the motion's rates may jump (knots),
+ * and the scales of time that its model declares. They are found once per renderer. The run's grid of steps includes the
+ * knots. */
 #include "render/dynamic/td_dynamic.h"
 
 #include "motion/td_motion.h"
@@ -8,10 +8,10 @@
 
 #include <stdlib.h>
 
-/* Times closer than this are the same: what event times resolve [s]. */
+/* Times closer than this are equal: the resolution of event times [s]. */
 static const double same_time = 1e-9;
 
-/* Seconds after `epoch` of the knots. */
+/* Sets the knots in seconds after `epoch`. */
 static void place_knots(td_dynamic_object *object, double epoch) {
     const tides_motion *motion = object->of.motion;
     for (size_t i = 0; i < object->knots; i++)
@@ -64,7 +64,7 @@ static tides_status add_object(const tides_scene *scene, int index, int first, i
     return status == TIDES_OK ? find_knots(object, error) : status;
 }
 
-/* The knots of all objects as one list, for which there is room. */
+/* Merges the knots of all objects into one list, which has room for them. */
 static void join_knots(td_dynamic *dynamic) {
     size_t total = 0, kept = 0;
     for (int i = 0; i < dynamic->objects; i++)
@@ -165,7 +165,7 @@ tides_status td_dynamic_joints(const td_dynamic *dynamic, double start, double s
         const tides_object *of = &dynamic->object[i].of;
         const tides_motion *motion = of->motion;
         if (!motion->type->joints) continue;
-        const double per = of->duration_s / (motion->stop - motion->start); /* seconds, as place_knots has them */
+        const double per = of->duration_s / (motion->stop - motion->start); /* seconds per unit of own time */
         const double from = motion->start + (start + dynamic->epoch) / per, to = motion->start + (stop + dynamic->epoch) / per;
         const size_t more = motion->type->joints(motion, from, to, NULL, 0);
         status = td_reserve((void **)times, capacity, (size_t)*count + more, sizeof **times, error);
@@ -177,7 +177,7 @@ tides_status td_dynamic_joints(const td_dynamic *dynamic, double start, double s
     return status;
 }
 
-/* The first knot that isn't before `time`. */
+/* The first knot at or after `time`. */
 static size_t knot_from(const td_dynamic *dynamic, double time) {
     size_t low = 0, high = dynamic->knot_count;
     while (low < high) {

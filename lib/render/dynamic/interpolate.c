@@ -1,11 +1,11 @@
 /* Interpolation of rows. A row of an expensive motion model (a network or a callback) takes several times as long as a row from
  * the cubic through two other rows.
  *
- * A sweep computes rows at the start, the middle and the end of its interval. After it, the backend measures a misfit for
- * each Gaussian of an expensive model: the distance of the middle row from the cubic through start and end, in units of the
- * tolerance (of log_luminance, and of time). A sample in the first or the second half of the interval then takes its row
- * from the cubic through that half's two rows if the misfit is at most 1, and from the model otherwise (tile_jobs.c). This
- * file switches interpolation on, asks for the misfits, and computes the weights of the cubic at a time. */
+ * A sweep computes rows at the start, the middle and the end of its interval. Then the backend measures a misfit for each
+ * Gaussian of an expensive model: the distance of the middle row from the cubic through start and end, in units of the
+ * tolerance (of log_luminance, and of time). A later sample in one half of the interval takes its row from the cubic through
+ * that half's two rows if the misfit is at most 1, and from the model otherwise. This file switches interpolation on,
+ * requests the misfits, and computes the weights of the cubic at a time. */
 #include "render/dynamic/td_dynamic.h"
 
 #include <stdlib.h>

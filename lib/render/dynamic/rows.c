@@ -1,13 +1,12 @@
-/* A batch of rows put together for the backend: runs of one object's Gaussians at one time, each a job of a kernel, rows
- * from the host (callbacks), or cubics between rows that are there. Used by whatever asks for rows (sweep_rows.c,
- * sweep_pieces.c, tile_jobs.c); which rows, and what they are for, is theirs. */
+/* Assembles a batch of rows for the backend. A run is some of an object's Gaussians at one time. It becomes jobs of a kernel,
+ * rows from the host (callbacks), or cubics between existing rows. The callers decide which rows are needed. */
 #include "render/dynamic/td_dynamic.h"
 
 #include "motion/td_motion.h"
 
 #include <stdlib.h>
 
-enum { JOB_LENGTH = 256 }; /* Gaussians per work-group: many short ones keep all threads busy */
+enum { JOB_LENGTH = 256 }; /* Gaussians per work-group: many short jobs keep all threads busy */
 
 void td_rows_begin(td_dynamic *dynamic, int row) {
     td_dynamic_rows *rows = &dynamic->rows;
@@ -39,8 +38,8 @@ void td_rows_add_between(td_dynamic *dynamic, const td_dynamic_object *object, i
     dynamic->rows.gaussians[dynamic->rows.count - 1] = gaussian - object->first + object->base;
 }
 
-/* Own time of a second after the epoch: at a knot exactly the knot's, so that it is clear which side of it rates are asked
- * for. */
+/* Own time of `time` seconds after the epoch. At a knot it is exactly the knot's, so that the side on which rates are wanted
+ * is clear. */
 static tides_status own_time(const td_dynamic_object *object, double epoch, double time, double *tau, double *tau_dot,
                              tides_error *error) {
     const double same_time = 1e-9; /* [s] */
@@ -70,7 +69,7 @@ static tides_status add_host_run(td_dynamic *dynamic, const td_dynamic_object *o
         status = td_reserve((void **)&rows->host_row[i], &rows->host_row_capacity[i], (from + count) * width[i],
                             sizeof *rows->host_row[i], error);
     if (status != TIDES_OK) return status;
-    td_mover_numbers numbers; /* a callback reads none */
+    td_mover_numbers numbers; /* a callback doesn't use it */
     memset(&numbers, 0, sizeof numbers);
     numbers.moves_sh = object->moves_sh;
     td_motion_sink sink = {rows->host_row[0] + from * TD_GEOMETRY_STRIDE, rows->host_row[1] + from * TD_GEOMETRY_STRIDE, NULL,
@@ -111,7 +110,7 @@ static tides_status add_jobs(td_dynamic *dynamic, const td_dynamic_object *objec
 tides_status td_rows_end_run(td_dynamic *dynamic, const td_dynamic_object *object, int first, double time, int side,
                              tides_error *error) {
     td_dynamic_rows *rows = &dynamic->rows;
-    double at[2]; /* own time, and its rate */
+    double at[2]; /* own time and its rate */
     if (rows->count == first) return TIDES_OK;
     tides_status status = td_rows_reserve(dynamic, TD_PAD, error);
     if (status == TIDES_OK) status = own_time(object, dynamic->epoch, time, &at[0], &at[1], error);
@@ -119,7 +118,7 @@ tides_status td_rows_end_run(td_dynamic *dynamic, const td_dynamic_object *objec
     int last = rows->owners[2 * (rows->count - 1)];
     while ((rows->count - first) % TD_PAD) td_rows_add(dynamic, object, last);
     const double second = dynamic->epoch + time;
-    side = second <= 0 ? 1 : second >= object->of.duration_s ? -1 : side; /* there's nothing beyond the ends */
+    side = second <= 0 ? 1 : second >= object->of.duration_s ? -1 : side; /* a motion has only one side at its ends */
     return object->hosted ? add_host_run(dynamic, object, first, at, side, error)
                           : add_jobs(dynamic, object, first, at, side, error);
 }
@@ -150,7 +149,7 @@ tides_status td_rows_end_between(td_dynamic *dynamic, const td_dynamic_object *o
     return TIDES_OK;
 }
 
-/* Jobs kind by kind; they are few kinds, mostly one. */
+/* Sorts jobs by kind; there are few kinds, mostly one. */
 static tides_status sort_by_kind(td_dynamic *dynamic, tides_error *error) {
     td_dynamic_rows *rows = &dynamic->rows;
     const td_movers *movers = &dynamic->store->movers;

@@ -1,4 +1,4 @@
-/* Rows of some dynamic Gaussians at some times, for whoever needs them outside a tile's jobs: nodes of record paths. */
+/* Rows of some dynamic Gaussians at some times, for the nodes of record paths. */
 #include "render/dynamic/td_dynamic.h"
 
 static void take_cached(const td_dynamic *dynamic, const td_row_cache *cached, const int *gaussians, int count, int *rows) {

@@ -1,11 +1,10 @@
-/* Finds strays: how far the view of each object strays within an interval from the cubic through its ends, also with the
- * interval cut into 2, 4, 8 .. pieces. It looks at the paths where they may bend, at their samples and in between. The
- * renderer's sweep widens boxes by it and cuts into as many pieces as it asks for; the kernels turn it into pixels
- * (kernels/stray.h).
+/* Finds strays: how far an object's view strays in an interval from the cubic through its ends, and from cubics after cutting
+ * the interval into 2, 4, 8 .. pieces. It samples the paths at their knots, and between these. The sweep widens boxes by the
+ * stray, and uses as many pieces as needed; kernels convert it to pixels.
  *
- * A point p of the object is off by |(dt + dR o) + dR (p - o)| for any origin o: by |dt + dR o| + |dR| |p - o| at most. Seen
- * by a camera that shakes dR is large, and dt + dR o is 0 with the camera's centre for o; for an object that shakes it is so
- * with the object's. The better of the two is kept. */
+ * With errors dt and dR of a view, a point p of the object is off by |(dt + dR o) + dR (p - o)| for any origin o, so by at
+ * most |dt + dR o| + |dR| |p - o|. If the camera shakes, dR is large, but dt + dR o is 0 for the camera's centre as o; if the
+ * object shakes, it is 0 for the object's centre. The better of these two origins is used. */
 #include "render/dynamic/td_stray.h"
 
 #include "camera/td_rotation.h"
@@ -16,19 +15,19 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Looked at within each piece between neighbouring samples of the paths, which are cubics there, quintics or turned by
- * such: and what may be missed that way, at most. */
+/* Samples between two neighbouring knots of the paths, which are cubics, quintics or rotations of such there; and the largest
+ * factor by which the error between samples exceeds the sampled one. */
 enum { POINTS_BETWEEN = 3 };
 static const double missed = 1.25;
 
-/* Less than this is nothing: splats 20 times nearer than the object's middle are still within their boxes' margin, 0.01 px. */
+/* A smaller stray counts as 0: even a splat 20 times nearer than the object's middle stays within its box's margin, 0.01 px. */
 static const double least_px = 1e-4;
-/* Levels are no longer looked at where this is reached: an error of the fourth order falls by 16 from one to the next. */
+/* With less than this, finer levels aren't computed: an error of fourth order falls by 16 from level to level. */
 static const double enough_px = 2e-3;
 static const double order = 16;
-/* Boxes as much wider than they need be make an interval be swept in pieces; a tile is as wide. */
+/* If boxes are wider than needed by more than this, the interval is swept in pieces; it is the width of a tile. */
 static const double most_px = 16;
-/* And so does a turn of more than this in one piece [rad]: within it widths at the start, the middle and the end tell. */
+/* A turn of more than this in a piece [rad] needs more pieces, too: up to it, widths at start, middle and end are enough. */
 static const double most_turn = 0.5;
 
 tides_status td_strays_create(const td_store *store, td_strays *strays, tides_error *error) {
@@ -66,13 +65,13 @@ void td_strays_release(td_strays *strays) {
     memset(strays, 0, sizeof *strays);
 }
 
-/* -- where to look -------------------------------------------------------------------------------------------------- */
+/* -- samples -------------------------------------------------------------------------------------------------- */
 
-/* A path as it is seen. */
+/* A path as seen by the camera. */
 typedef struct seen_path {
     const tides_scene *scene;
-    int32_t object;                       /* of the scene */
-    const tides_trajectory *camera, *own; /* own: NULL at rest */
+    int32_t object;                       /* index in the scene */
+    const tides_trajectory *camera, *own; /* own: the object's path; NULL: at rest */
     double epoch, start, stop;            /* start and stop are after the epoch */
 } seen_path;
 
@@ -88,7 +87,7 @@ static tides_status add_share(td_strays *strays, double share, tides_error *erro
     return status;
 }
 
-/* The samples of a path within the interval. */
+/* Adds the samples of a path within the interval. */
 static tides_status add_knots(td_strays *strays, const seen_path *seen, const tides_trajectory *path, tides_error *error) {
     tides_status status = TIDES_OK;
     tides_pose_sample sample;
@@ -103,7 +102,7 @@ static tides_status add_knots(td_strays *strays, const seen_path *seen, const ti
     return status;
 }
 
-/* Collects the places of samples, in order: both ends, all samples of the paths, and points in between; then the views
+/* Collects the places of samples in order (both ends, all samples of the paths, and points in between), and then the views
  * there. */
 static tides_status find_samples(td_strays *strays, const seen_path *path, tides_error *error) {
     strays->samples = 0;
@@ -129,9 +128,9 @@ static tides_status find_samples(td_strays *strays, const seen_path *path, tides
     return status;
 }
 
-/* -- how far off ---------------------------------------------------------------------------------------------------- */
+/* -- deviations ---------------------------------------------------------------------------------------------------- */
 
-/* The most of |dt + dR o|, for two origins, and of |dR|. */
+/* Largest |dt + dR o|, for two origins, and largest |dR|. */
 typedef struct most_off {
     double position[2], rotation;
 } most_off;
@@ -141,7 +140,7 @@ static double cubic(double x0, double r0, double x1, double r1, double h, double
     return x0 + s * s * (3 - 2 * s) * (x1 - x0) + h * s * rest * (rest * r0 - s * r1);
 }
 
-/* A view against the cubic through two others `h` seconds apart, at share s of the way. */
+/* Compares a view with the cubic through two others, which are `h` seconds apart, at share s of the interval. */
 static void compare(const td_view *from, const td_view *to, double h, double s, const td_view *view, double origin[2][3],
                     most_off *most) {
     double dr[9], dt[3], sum = 0;
@@ -159,7 +158,7 @@ static void compare(const td_view *from, const td_view *to, double h, double s, 
     }
 }
 
-/* Everything that is looked at against the cubics of 2^level pieces. */
+/* Compares all samples with the cubics of 2^level pieces. */
 static tides_status compare_pieces(const td_strays *strays, const seen_path *path, int level, double origin[2][3],
                                    most_off *most, tides_error *error) {
     double pieces = (double)(1 << level), h = (path->stop - path->start) / pieces;
@@ -179,7 +178,7 @@ static tides_status compare_pieces(const td_strays *strays, const seen_path *pat
     return status;
 }
 
-/* The turn of the interval at the fastest rate seen [rad]. */
+/* Turn in the interval at the fastest sampled rate [rad]. */
 static double turn_of(const td_strays *strays, double length) {
     double most = 0;
     for (int i = 0; i < strays->samples; i++) {
@@ -192,7 +191,7 @@ static double turn_of(const td_strays *strays, double length) {
     return most * length;
 }
 
-/* An object's geometry as strays need it: pixels per unit at its middle, and how far its Gaussians are from each origin. */
+/* Facts about an object: pixels per unit at its middle, and distance of its Gaussians from each origin. */
 typedef struct stray_measure {
     double origin[2][3], reach[2], px_per_unit;
 } stray_measure;

@@ -1,18 +1,18 @@
-/* Sweeps in pieces for those dynamic Gaussians whose motion happens on a shorter scale of time than the interval: frames denser
- * than that, a bell of opacity within it, a fast sine. Each is swept in as many pieces as its own scale asks for. For the
- * renderer's sweep, after sweep_rows.c; the scales are what models declare (motion/td_time_scale.h). */
+/* Sweeps in pieces for those dynamic Gaussians whose motion has a shorter scale of time than the interval: dense keyframes, a
+ * short bell of opacity, a fast sine. Each is swept in as many pieces as its own scale needs, after the ordinary sweep. The
+ * motion models declare the scales. */
 #include "motion/td_motion.h"
 #include "render/td_renderer.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Widths from its centre within which a bell exp(-(dt / width)^2) rises over smooth's cut: at 3 it is 1.2e-4. */
+/* A bell exp(-(dt / width)^2) is above the cutoff of `smooth` within so many widths of its centre: at 3 it is 1.2e-4. */
 static const double bell_reach = 3;
-/* Scales this much below the interval's length, by rounding, don't count. */
+/* Rounding may make a scale of time shorter than the interval by this share. */
 static const double slack = 1e-6;
 
-/* The shortest distance between knots of which one is within the interval, in own time; INFINITY where none is. */
+/* The shortest distance between knots, one of which is in the interval, in own time; INFINITY if none is. */
 static double knot_distance(const td_dynamic_object *object, double from, double to) {
     double least = INFINITY;
     for (size_t k = 1; k < object->knots; k++) {
@@ -23,27 +23,27 @@ static double knot_distance(const td_dynamic_object *object, double from, double
     return least;
 }
 
-/* Halvings of `length` until pieces aren't longer than `scale`. */
+/* How often `length` must be halved until it isn't longer than `scale`. */
 static int level_for(double length, double scale) {
     int level = 0;
     for (; level < TD_STRAY_LEVELS - 1 && length > scale * (1 + slack); level++) length *= 0.5;
     return level;
 }
 
-/* The scale that holds for one Gaussian of own time [from, to], with `all` that of its object. */
+/* The scale of one Gaussian in own time [from, to]; `all` is its object's. */
 static double scale_of(const td_time_scale *own, double all, double from, double to) {
     double reach = bell_reach * own->width, scale = fmin(fmax(all, own->smooth), own->always);
     int active = isfinite(reach) && own->centre + reach > from && own->centre - reach < to;
     return active ? fmin(scale, own->width) : scale;
 }
 
-/* The scale that all of an object's Gaussians have at least, in own time [from, to]. */
+/* The scale common to all of an object's Gaussians in own time [from, to]. */
 static double common_scale(const td_dynamic_object *object, double from, double to) {
     const tides_motion *motion = object->of.motion;
     return fmin(knot_distance(object, from, to), motion->type->scale ? motion->type->scale(motion, from, to) : INFINITY);
 }
 
-/* Levels of an object's Gaussians over own time [from, to], and the highest. */
+/* Finds the levels of an object's Gaussians over own time [from, to], and the highest. */
 static tides_status find_levels(td_dynamic *dynamic, td_dynamic_object *object, double from, double to, int *highest,
                                 tides_error *error) {
     double all = common_scale(object, from, to);
@@ -58,7 +58,7 @@ static tides_status find_levels(td_dynamic *dynamic, td_dynamic_object *object, 
     return status;
 }
 
-/* Rows of `count` Gaussians at all times of the sweep in hand, one time after the other. */
+/* Computes rows of `count` Gaussians at all times of the current sweep, one time after the other. */
 static tides_status move_chunk(tides_renderer *r, const td_dynamic_object *object, const int *gaussians, int count, int times,
                                int *rows, tides_error *error) {
     td_dynamic *dynamic = &r->dynamic;
@@ -75,7 +75,7 @@ static tides_status move_chunk(tides_renderer *r, const td_dynamic_object *objec
     return status == TIDES_OK ? td_rows_send(dynamic, r->backend, error) : status;
 }
 
-/* Boxes and travel of `count` listed Gaussians, from 2^level pieces. */
+/* Computes boxes and travel of `count` listed Gaussians, from 2^level pieces. */
 static tides_status sweep_chunk(tides_renderer *r, const td_dynamic_object *object, const int *gaussians, int count, int level,
                                 int *rows, double duration, tides_error *error) {
     td_dynamic *dynamic = &r->dynamic;
@@ -92,13 +92,13 @@ static tides_status sweep_chunk(tides_renderer *r, const td_dynamic_object *obje
     for (int k = 0; k < count && status == TIDES_OK; k++) {
         memcpy(r->sweep.boxes + 4 * (size_t)gaussians[k], dynamic->fine_box + 4 * (size_t)k, 4 * sizeof *r->sweep.boxes);
         r->sweep.travel[gaussians[k]] = dynamic->fine_travel[k];
-        /* Rows between those of the start, the middle and the end aren't what these say. */
+        /* Three rows can't represent this motion: rows in between must not be interpolated. */
         if (dynamic->misfit) dynamic->misfit[object->base + gaussians[k] - object->first] = INFINITY;
     }
     return status;
 }
 
-/* A object's Gaussians of one level. */
+/* Sweeps an object's Gaussians of one level. */
 static tides_status sweep_level(tides_renderer *r, const td_dynamic_object *object, int level, int *rows, double duration,
                                 tides_error *error) {
     td_dynamic *dynamic = &r->dynamic;
@@ -113,7 +113,7 @@ static tides_status sweep_level(tides_renderer *r, const td_dynamic_object *obje
     return status;
 }
 
-/* All objects' Gaussians, level by level: views at a level's times are made once. */
+/* Sweeps all objects' Gaussians level by level, so that views at a level's times are computed once. */
 static tides_status sweep_levels(tides_renderer *r, const tides_trajectory *camera, double start, double stop,
                                  const int *highest, int most, tides_error *error) {
     int *rows = td_alloc((size_t)td_sweep_times(most), sizeof *rows, error);

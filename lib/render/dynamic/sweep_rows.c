@@ -1,6 +1,6 @@
-/* Swept boxes of dynamic Gaussians over an interval, from their rows at its start, middle and end. Those rows are cached where
- * memory allows: the next interval begins where this one ended, and its first samples lie there and in the middle. For the
- * renderer's sweep; what moves faster than three rows show is swept once more afterwards (sweep_pieces.c). */
+/* Boxes of dynamic Gaussians over an interval, from their rows at its start, middle and end. These rows are cached if memory
+ * allows: the next interval begins where this one ends, and its first samples lie at its start and middle. Faster motion is
+ * swept again in pieces afterwards. */
 #include "render/dynamic/td_dynamic.h"
 
 td_row_cache *td_dynamic_find_cached(td_dynamic *dynamic, double time, int side) {
@@ -32,7 +32,7 @@ static tides_status work_out(td_dynamic *dynamic, td_backend *backend, td_row_ca
     return status;
 }
 
-/* Rows that none of the three uses: at most two are in use where a third is asked for. */
+/* A cache that none of the three times uses; at most two are in use when a third is requested. */
 static td_row_cache *find_spare(td_dynamic *dynamic, td_row_cache *const used[3]) {
     td_row_cache *spare = dynamic->cached;
     while (spare == used[0] || spare == used[1] || spare == used[2]) spare++;
@@ -54,7 +54,7 @@ static tides_status cache_rows(td_dynamic *dynamic, td_backend *backend, const r
     tides_status status = TIDES_OK;
     for (int i = 0; i < 3; i++) used[i] = td_dynamic_find_cached(dynamic, time[i], side[i]);
     for (int i = 0; i < 3 && status == TIDES_OK; i++) {
-        if (!used[i]) used[i] = td_dynamic_find_cached(dynamic, time[i], side[i]); /* worked out for another of the three */
+        if (!used[i]) used[i] = td_dynamic_find_cached(dynamic, time[i], side[i]); /* maybe computed for another of the three */
         if (!used[i]) {
             used[i] = find_spare(dynamic, used);
             status = work_out(dynamic, backend, used[i], time[i], side[i], error);
@@ -66,7 +66,7 @@ static tides_status cache_rows(td_dynamic *dynamic, td_backend *backend, const r
 
 static int padded(int count) { return (count + TD_PAD - 1) / TD_PAD * TD_PAD; }
 
-/* Padding repeats the last Gaussian: no tile may list it twice. */
+/* Empties the boxes of padding, which repeats the last Gaussian: no tile may list it twice. */
 static void empty_padding(const td_dynamic_object *object, float *boxes) {
     for (int i = object->count; i < padded(object->count); i++) td_box_empty(boxes + 4 * (size_t)(object->first + i));
 }
@@ -99,7 +99,7 @@ static tides_status sweep_chunk(td_dynamic *dynamic, td_backend *backend, const 
 tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const td_dynamic_sweep *sweep,
                                    tides_error *error) {
     const double start = sweep->start, stop = sweep->stop;
-    /* The middle as steps are halved, so that its rows are found again. */
+    /* the middle as when steps are halved, so that its rows are found again */
     const row_times at = {{start, start + 0.5 * (stop - start), stop}, {1, 1, !(start < stop) ? 1 : -1}};
     const td_row_cache *cached[3] = {&dynamic->cached[0], &dynamic->cached[1], &dynamic->cached[2]};
     int chunk = sweep->row_limit / 3 / TD_PAD * TD_PAD;

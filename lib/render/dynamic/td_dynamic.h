@@ -1,11 +1,9 @@
 /* Internal to lib/render: dynamic Gaussians, those that a motion model moves within their object.
  *
- * A Gaussian at rest has one row of geometry in the store, for good; a dynamic one is elsewhere at each time, so that a row of
- * it is worked out (by the backend's kernels, or on the host for callbacks) for each time that something asks for: three for a
- * sweep, one for each sample of a tile. This folder decides which rows those are, has them worked out in as few launches as it
- * can, keeps what is asked for again, and interpolates between rows where a model is expensive. The cost of a row is the
- * backend's, and a model's arithmetic is lib/motion's. Objects that move as a whole, and the camera, need no rows. Compiled in
- * double. */
+ * A Gaussian at rest has one row of geometry in the store. A dynamic one has a row for each time that is needed: three for a
+ * sweep, and one for each sample of a tile. Rows are computed by the backend's kernels, or on the host for callbacks. This
+ * folder decides which rows are needed, computes them in few launches, caches rows that are needed again, and interpolates
+ * between rows where a model is expensive. Objects that move as a whole, and the camera, need no rows. Compiled in double. */
 #ifndef TD_DYNAMIC_H
 #define TD_DYNAMIC_H
 
@@ -13,29 +11,29 @@
 #include "render/td_backend.h"
 #include "tides/scene.h"
 
-/* An object of the store whose Gaussians a motion moves; as many as there are movers, in their order. */
+/* An object of the store whose Gaussians a motion moves; there is one for each mover, in the same order. */
 typedef struct td_dynamic_object {
-    int in_store;              /* the object's number there */
-    int first, count;          /* its Gaussians there, without padding */
-    int base;                  /* number of the first among all that move, padded like the store */
-    int moves_sh, hosted;      /* rows have SH of their own; come from the host */
-    int expensive;             /* the model costs more than interpolating between its rows */
-    tides_object of;           /* the scene's object: motion, Gaussians, how long the motion lasts */
-    double *knot_s, *knot_tau; /* (knots) in seconds after the epoch, ascending, and of its own time */
+    int in_store;              /* number in the store */
+    int first, count;          /* its Gaussians in the store, without padding */
+    int base;                  /* index of its first Gaussian among all that move, padded as in the store */
+    int moves_sh, hosted;      /* rows have their own SH; rows come from the host */
+    int expensive;             /* the model costs more than interpolating between two rows */
+    tides_object of;           /* the scene's object: motion, Gaussians, duration */
+    double *knot_s, *knot_tau; /* (knots) ascending, in seconds after the epoch, and in own time */
     size_t knots;
-    td_time_scale *scale; /* (count) of its own time; NULL: the model says none for each Gaussian */
+    td_time_scale *scale; /* (count) scale of each Gaussian, in own time; NULL: the model declares none */
 } td_dynamic_object;
 
-/* Rows of all dynamic Gaussians at one time: the next sweep begins where this one ended. */
+/* Rows of all dynamic Gaussians at one time, kept because the next sweep begins where this one ends. */
 typedef struct td_row_cache {
     double time;
     int side, is_there;
-    int row; /* of the first */
+    int row; /* number of the first row */
 } td_row_cache;
 
 enum { TD_ROW_CACHES = 3 }; /* start, middle and end of a sweep */
 
-/* A td_move_batch being put together: entry i is row `row` + i. */
+/* A td_move_batch that is being assembled: entry i is row `row` + i. */
 typedef struct td_dynamic_rows {
     int row, count;
     int *gaussians, *owners; /* (count), (2 x count) */
@@ -50,7 +48,7 @@ typedef struct td_dynamic_rows {
     int cubic_count;
     size_t cubic_capacity;
     td_cubic_job *cubic_jobs;
-    int cubic_job_count, interpolated; /* rows of these jobs */
+    int cubic_job_count, interpolated; /* interpolated: number of rows of these jobs */
     size_t cubic_job_capacity;
     int *kind_first; /* (kinds + 1) */
     td_host_rows *host;
@@ -59,103 +57,104 @@ typedef struct td_dynamic_rows {
     double *host_row[4]; /* geometry, rates, sh, sh_rates of (host_count) rows */
 } td_dynamic_rows;
 
-/* Two times between whose rows others are interpolated. */
+/* Two times, between whose rows others are interpolated. */
 typedef struct td_span {
     const td_row_cache *from, *to;
 } td_span;
 
 typedef struct td_dynamic {
-    double epoch; /* [s] of the scene: times are offsets from it */
+    double epoch; /* [s] all times are offsets from it */
     int objects;
     td_dynamic_object *object;
     const td_store *store;
-    int gaussians; /* of all objects, padded; 0: nothing moves by itself */
-    double *knots; /* (knot_count) of all objects [s after the epoch], ascending, distinct by more than a nanosecond */
+    int gaussians; /* of all objects, padded; 0: no Gaussian moves by itself */
+    double *knots; /* (knot_count) of all objects [s after the epoch], ascending, at least a nanosecond apart */
     size_t knot_count;
     td_row_cache cached[TD_ROW_CACHES];
-    int cached_rows; /* TD_ROW_CACHES x gaussians, or 0 where that is too much */
-    uint32_t *stamp; /* (gaussians) serial of the slot that last wanted the Gaussian */
-    int *row_of;     /* (gaussians) its row there */
+    int cached_rows; /* TD_ROW_CACHES x gaussians; 0 if that is too much memory */
+    uint32_t *stamp; /* (gaussians) serial number of the slot that last requested the Gaussian */
+    int *row_of;     /* (gaussians) its row in that slot */
     uint32_t serial;
-    int lowest, highest; /* that the slot wants */
+    int lowest, highest; /* range of Gaussians requested by the slot */
     td_dynamic_rows rows;
-    int *list; /* candidates of a launch */
+    int *list; /* candidate lists of a launch */
     size_t list_capacity;
     uint64_t serial_of_list;
-    double tolerance, time_tolerance_s; /* what interpolation may cost, of log_luminance and of times; 0, 0: there's none */
-    td_span halves[2];                  /* of the interval swept last; NULL, NULL: nothing is interpolated there */
-    float *misfit;                      /* (gaussians) there, in tolerances; only of expensive objects */
-    uint8_t *level;                     /* (gaussians) 2^level pieces that the interval swept last takes */
-    int *fine;                          /* (gaussians) Gaussians of one level, and their boxes and travel */
+    /* allowed errors of interpolation, of log_luminance and of times; 0, 0: no interpolation */
+    double tolerance, time_tolerance_s;
+    td_span halves[2]; /* of the interval swept last; NULL, NULL: no interpolation in it */
+    float *misfit;     /* (gaussians) errors of interpolation in it, in tolerances; only of expensive models */
+    uint8_t *level;    /* (gaussians) 2^level pieces for the interval swept last */
+    int *fine;         /* (gaussians) scratch: Gaussians of one level, their boxes and travel */
     float *fine_box, *fine_travel;
 } td_dynamic;
 
-/* Finds what moves in the scene that `store`, which must outlive it, was made of. At most `row_limit` rows are cached. */
+/* Finds the moving objects of a scene. `store` was made from the scene and must outlive this. At most `row_limit` rows are
+ * cached. */
 tides_status td_dynamic_create(const tides_scene *scene, const td_store *store, int row_limit, td_dynamic *dynamic,
                                tides_error *error);
 void td_dynamic_release(td_dynamic *dynamic);
 
-/* From now on times are offsets from `epoch` [s]; at first from 0. Rows cached for other times are given up. */
+/* Sets the epoch [s] from which times count, 0 at first. It drops cached rows of other times. */
 void td_dynamic_set_epoch(td_dynamic *dynamic, double epoch);
 
-/* The scales of time of an object's Gaussians, where the model has them for each. */
+/* Finds the scales of time of an object's Gaussians, if the model has one for each. */
 tides_status td_dynamic_find_scales(const td_store *store, td_dynamic_object *object, tides_error *error);
 
-/* The object that a Gaussian of the store belongs to; NULL where it doesn't move by itself. */
+/* The object of a Gaussian of the store; NULL if the Gaussian doesn't move by itself. */
 static inline const td_dynamic_object *td_dynamic_object_of(const td_dynamic *dynamic, int gaussian) {
     const int mover = dynamic->store->mover[dynamic->store->object[gaussian]];
     return mover < 0 ? NULL : &dynamic->object[mover];
 }
 
-/* 1 where some object's model is expensive. */
+/* 1 if some object's model is expensive. */
 int td_dynamic_has_expensive(const td_dynamic *dynamic);
 
-/* The highest level of all that moves in the interval swept last: its motion happens on 2^-level of that. */
+/* The highest level in the interval swept last: the shortest scale of time is 2^-level of it. */
 int td_dynamic_finest(const td_dynamic *dynamic);
 
-/* An interval [s after the epoch] in an object's own time, and how fast that runs [1/s] (nullable). */
+/* Converts an interval [s after the epoch] to an object's own time; `rate` (may be NULL) is own time per second. */
 tides_status td_dynamic_own_times(const td_dynamic *dynamic, const td_dynamic_object *object, double start, double stop,
                                   double *from, double *to, double *rate, tides_error *error);
 
-/* The shortest scale of time [s] on which some motion says that something may happen in [start, stop]; INFINITY: none. */
+/* The shortest scale of time [s] that a motion declares in [start, stop]; INFINITY: none. */
 tides_status td_dynamic_shortest(td_dynamic *dynamic, double start, double stop, double *shortest, tides_error *error);
 
-/* 1 where rates of some motion may jump at `time`, to a nanosecond. */
+/* 1 if the rates of some motion may jump at `time`, to a nanosecond. */
 int td_dynamic_is_knot(const td_dynamic *dynamic, double time);
 
-/* Times in (start, stop) where some motion's curves are joined (td_motion_class.joints), object by object: adds them to times
- * [0 .. *count), which grow. */
+/* Appends the times in (start, stop) where curves of a motion are joined, object by object, to times[0 .. *count). */
 tides_status td_dynamic_joints(const td_dynamic *dynamic, double start, double stop, double **times, int *count,
                                size_t *capacity, tides_error *error);
 
-/* 1 where one is more than that behind `start` and before `stop`. */
+/* 1 if a knot lies within (start, stop), by more than a nanosecond. */
 int td_dynamic_knot_within(const td_dynamic *dynamic, double start, double stop);
 
-/* -- rows (rows.c) -- */
+/* -- rows -- */
 
-/* Begins a batch of rows, the first of which is `row`. */
+/* Begins a batch of rows, with number `row` for the first. */
 void td_rows_begin(td_dynamic *dynamic, int row);
 
-/* Adds a Gaussian of an object, by its number in the store; its row is dynamic->rows.row + rows.count then. Room must be
- * there. */
+/* Adds a Gaussian of an object, by its number in the store, as row dynamic->rows.row + rows.count. td_rows_reserve makes
+ * room. */
 tides_status td_rows_reserve(td_dynamic *dynamic, int more, tides_error *error);
 void td_rows_add(td_dynamic *dynamic, const td_dynamic_object *object, int gaussian);
 
-/* Ends a run of Gaussians of one object that began at entry `first`: pads it and asks for it at `time`. */
+/* Ends a run of an object's Gaussians, which began at entry `first`: pads it, and requests its rows at `time`. */
 tides_status td_rows_end_run(td_dynamic *dynamic, const td_dynamic_object *object, int first, double time, int side,
                              tides_error *error);
 
-/* Like td_rows_add and td_rows_end_run, for Gaussians whose rows are interpolated between two cached ones. */
+/* As above, for Gaussians whose rows are interpolated between two cached rows. */
 void td_rows_add_between(td_dynamic *dynamic, const td_dynamic_object *object, int gaussian);
 tides_status td_rows_end_between(td_dynamic *dynamic, const td_dynamic_object *object, int first, const td_span *span,
                                  double time, tides_error *error);
 
-/* Has the backend work out the batch. */
+/* Lets the backend compute the batch. */
 tides_status td_rows_send(td_dynamic *dynamic, td_backend *backend, tides_error *error);
 
-/* Rows of `count` Gaussians of the store, in order, at a time, and then at others (rows_at.c): those cached by the sweep, or
- * dynamic->rows.count behind these that td_rows_send works out, until the next batch begins; what doesn't move by itself is its
- * own row. Each run of an object is padded to TD_PAD. */
+/* Requests rows of `count` Gaussians of the store, in order, at a time; call it for further times as needed. `rows` become
+ * cached rows, or rows behind these that td_rows_send computes, valid until the next batch begins. A Gaussian that doesn't
+ * move by itself has its own row. Each run of an object is padded to TD_PAD. */
 void td_dynamic_rows_open(td_dynamic *dynamic);
 tides_status td_dynamic_rows_ask(td_dynamic *dynamic, const int *gaussians, int count, double time, int side, int *rows,
                                  tides_error *error);
@@ -164,39 +163,38 @@ tides_status td_dynamic_rows_ask(td_dynamic *dynamic, const int *gaussians, int 
 tides_status td_dynamic_rows_at(td_dynamic *dynamic, td_backend *backend, const int *gaussians, int count, double time,
                                 int side, int *rows, tides_error *error);
 
-/* The rows cached for a time, or NULL. Where rates don't jump either side will do (sweep_rows.c). */
+/* The cached rows of a time, or NULL. If rates don't jump there, rows of either side are fine. */
 td_row_cache *td_dynamic_find_cached(td_dynamic *dynamic, double time, int side);
 
-/* -- interpolation (interpolate.c) -- */
+/* -- interpolation -- */
 
-/* From the next sweep on rows between those of its start, middle and end are interpolated where log_luminance is off by less
- * than `tolerance` and, where time_tolerance_s > 0, late by less than that. Only expensive models' rows are, and only where
- * rows of all dynamic Gaussians can be cached. */
+/* Allows interpolation from the next sweep on, between rows of its start, middle and end. The error of log_luminance must be
+ * below `tolerance` and, if time_tolerance_s > 0, that of times below this. Only rows of expensive models are interpolated,
+ * and only if rows of all dynamic Gaussians fit into the cache. */
 tides_status td_dynamic_interpolate(td_dynamic *dynamic, td_backend *backend, double tolerance, double time_tolerance_s,
                                     tides_error *error);
 
-/* Misfits of the interval that begins, is halfway and ends with these rows. */
+/* Measures the misfits of an interval, given its cached rows at start, middle and end. */
 tides_status td_dynamic_measure(td_dynamic *dynamic, td_backend *backend, const double *views,
                                 const td_row_cache *const cached[3], tides_error *error);
 
-/* The half of the interval swept last that has `time` within; NULL where there's none. */
+/* The half of the interval swept last that contains `time`; NULL: no interpolation there. */
 const td_span *td_dynamic_span(const td_dynamic *dynamic, double time);
 
-/* td_cubic (interpolate.h) of `time` between `start` and `stop`. */
+/* Weights of the cubic at `time` between `start` and `stop`. */
 void td_cubic_weights(double start, double stop, double time, double weights[TD_CUBIC_REALS]);
 
-/* -- sweeps (sweep_rows.c) -- */
+/* -- sweeps -- */
 
-/* An interval [start, stop] to sweep, and where its results go. At an instant, start = stop, rates are those of what begins
- * there. */
+/* An interval [start, stop] to sweep, and its results. At an instant, start = stop, rates are those after it. */
 typedef struct td_dynamic_sweep {
     const double *views, *strays; /* of td_sweep_request */
     double start, stop;           /* [s after the epoch] */
-    int row_limit;                /* rows per launch, where they aren't cached */
+    int row_limit;                /* rows per launch, unless they are cached */
     float *boxes, *travel;        /* (store.count x 4) and (store.count), results */
 } td_dynamic_sweep;
 
-/* Boxes and travel of all that moves. */
+/* Sets boxes and travel (in diameters) of all dynamic Gaussians. */
 tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const td_dynamic_sweep *sweep, tides_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* Internal: strays of the paths of camera and objects, within an interval, from the cubics that a sweep takes them for
- * (kernels/stray.h). Compiled in double. */
+/* Internal: strays: how far the paths of camera and objects stray, in an interval, from the cubics that a sweep assumes.
+ * Compiled in double. */
 #ifndef TD_STRAYS_H
 #define TD_STRAYS_H
 
@@ -12,12 +12,12 @@
 
 typedef struct td_strays {
     int objects;
-    double *bound; /* (objects x TD_STRAY_REALS): a td_stray each */
-    int *level;    /* (objects) 2^level pieces make its boxes narrow enough */
-    double *px; /* (objects x TD_STRAY_LEVELS) how far its middle strays on the screen from the cubics of 2^level pieces [px] */
-    double *middle; /* (objects x 4) the mean of the Gaussians' means, and their distance from it (rms) */
-    double *share;  /* (samples) where a path is looked at, in units of the interval */
-    td_view *view;  /* (samples) what is seen there */
+    double *bound;  /* (objects x TD_STRAY_REALS): a td_stray each */
+    int *level;     /* (objects) 2^level pieces make boxes narrow enough */
+    double *px;     /* (objects x TD_STRAY_LEVELS) stray of the object's middle from the cubics of 2^level pieces [px] */
+    double *middle; /* (objects x 4) mean of its Gaussians' means, and their rms distance from it */
+    double *share;  /* (samples) places of samples, in units of the interval */
+    td_view *view;  /* (samples) views there */
     int samples;
     size_t share_capacity, view_capacity;
 } td_strays;
@@ -30,10 +30,10 @@ typedef struct td_stray_interval {
     const tides_scene *scene;
     const tides_trajectory *camera;
     double epoch, start, stop; /* [s], start and stop after the epoch */
-    const uint8_t *moves;      /* (objects of the store) 1: it moves against the camera */
+    const uint8_t *moves;      /* (objects of the store) 1: it moves relative to the camera */
 } td_stray_interval;
 
-/* Bounds and levels of every object of the store over the interval. */
+/* Finds bounds and levels of every object of the store over the interval. */
 tides_status td_strays_find(td_strays *strays, const td_store *store, const td_image *image, const td_stray_interval *interval,
                             tides_error *error);
 

@@ -1,8 +1,8 @@
-/* Tile jobs of scenes with dynamic Gaussians, for the renderer: which rows a launch needs, and candidate lists that point at
- * them in place of the store's Gaussians.
+/* Tile jobs in scenes with dynamic Gaussians: finds the rows that a launch needs, and makes candidate lists that contain
+ * these rows instead of the store's Gaussians.
  *
- * Jobs are taken slot by slot. A slot's jobs need the union of the moving candidates of their tiles, at the slot's time:
- * each is worked out once. A launch is full when its records or its rows reach their limit. */
+ * Jobs are handled slot by slot (a slot is one time). The moving candidates of all of a slot's tiles are collected, so that
+ * each row is computed once. A launch is full when its records or its rows reach their limit. */
 #include "render/td_renderer.h"
 
 #include <stdlib.h>
@@ -13,13 +13,13 @@ static int by_slot(const void *a, const void *b) {
     return td_job_by_falling_count(a, b);
 }
 
-/* The object that a group of candidates belongs to, by its leader; NULL for those that don't move by themselves. */
+/* The object of a group of candidates, by its first one; NULL if they don't move by themselves. */
 static const td_dynamic_object *object_of(const td_dynamic *dynamic, int leader) {
     int mover = dynamic->store->mover[dynamic->store->object[leader]];
     return mover < 0 ? NULL : &dynamic->object[mover];
 }
 
-/* Moving candidates of a job that the slot hasn't asked for yet; with `take` they are then. */
+/* Counts a job's moving candidates that the slot hasn't requested yet; with `take`, marks them as requested. */
 static int count_new(td_dynamic *dynamic, const int *candidates, int count, int take) {
     int fresh = 0;
     for (int group = 0; group < count; group += TD_PAD) {
@@ -37,9 +37,9 @@ static int count_new(td_dynamic *dynamic, const int *candidates, int count, int 
     return fresh;
 }
 
-/* A slot's own stamp. */
+/* Begins a slot, with a serial number of its own. */
 static void begin_slot(td_dynamic *dynamic) {
-    if (++dynamic->serial == 0) { /* after 2^32 slots */
+    if (++dynamic->serial == 0) { /* overflow after 2^32 slots */
         memset(dynamic->stamp, 0, (size_t)dynamic->gaussians * sizeof *dynamic->stamp);
         dynamic->serial = 1;
     }
@@ -47,7 +47,7 @@ static void begin_slot(td_dynamic *dynamic) {
     dynamic->highest = -1;
 }
 
-/* Adds what the slot asks for of an object: what is interpolated, or what is worked out. Returns the first entry. */
+/* Adds what the slot requested of an object: rows to interpolate, or rows to compute. Returns the first entry. */
 static int add_asked(td_dynamic *dynamic, const td_dynamic_object *object, const td_span *span, int interpolated) {
     int first = dynamic->rows.count, from = object->base, to = object->base + object->count;
     from = from > dynamic->lowest ? from : dynamic->lowest;
@@ -65,7 +65,7 @@ static int add_asked(td_dynamic *dynamic, const td_dynamic_object *object, const
     return first;
 }
 
-/* Rows for all that the slot asks for, those cached by the sweep as they are. */
+/* Assigns rows to all that the slot requested: cached rows of the sweep, or new ones. */
 static tides_status assign_rows(td_dynamic *dynamic, double time, int side, int asked, tides_error *error) {
     tides_status status = td_rows_reserve(dynamic, asked, error);
     for (int k = 0; k < TD_ROW_CACHES && dynamic->cached_rows; k++) {
@@ -89,7 +89,7 @@ static tides_status assign_rows(td_dynamic *dynamic, double time, int side, int 
     return status;
 }
 
-/* A job's own list: rows instead of Gaussians. */
+/* Makes a job's own list, with rows instead of Gaussians. */
 static void point_at_rows(const td_dynamic *dynamic, const int *candidates, int count, int *list) {
     for (int group = 0; group < count; group += TD_PAD) {
         const td_dynamic_object *object = object_of(dynamic, candidates[group]);
@@ -100,18 +100,18 @@ static void point_at_rows(const td_dynamic *dynamic, const int *candidates, int 
     }
 }
 
-/* The contents of a launch so far. */
+/* Contents of a launch so far. */
 typedef struct launch_plan {
     int from, to; /* jobs */
     int records, rows;
 } launch_plan;
 
-/* As many of the following slot's jobs as there is room for; 0 in `*more` where the launch is full. */
+/* Adds as many jobs of the next slot as fit; *more is 0 when the launch is full. */
 static tides_status take_slot(tides_renderer *r, const td_tile_batch *wanted, td_job *jobs, int count, launch_plan *launch,
                               int *more, tides_error *error) {
     td_dynamic *dynamic = &r->dynamic;
     const int *candidates = r->candidates.list;
-    /* Rows are worked out for each launch: a run's statistics don't depend on who watches it. */
+    /* Rows are computed once per launch, so the limit must not depend on whether somebody may stop a run: statistics would. */
     const int limit = r->control.interrupt ? r->record_limit : td_renderer_record_limit(r);
     int first = launch->to, slot = jobs[first].slot, asked = 0, padding = 2 * TD_PAD * dynamic->objects;
     begin_slot(dynamic);

@@ -1,5 +1,4 @@
-/* Ornstein-Uhlenbeck noise by counter: points of its grid, of one pixel or of many side by side. For pixel.c and comparator.c;
- * what it does between the points is bridge.c's. */
+/* Ornstein-Uhlenbeck noise by counter: its values at the points of a time grid, for one pixel or for many side by side. */
 #include "td_additive_noise.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -11,7 +10,7 @@
 static const double two_pi = 6.28318530717958647692;
 static const double segments_per_tau = 8;
 
-/* Faster noise would have segments of less than a nanosecond, in which times are written. */
+/* Highest cutoff: faster noise would have segments of less than a nanosecond, the unit of times. */
 static const double largest_cutoff_hz = 1e7;
 
 static tides_status check(const tides_sensor *sensor, tides_error *error) {
@@ -22,7 +21,7 @@ static tides_status check(const tides_sensor *sensor, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Size and tau at Y = 1, where the light says them; sigma is the larger of that and of the dark's. */
+/* Size and tau at Y = 1 of noise that depends on light. sigma is the larger of that and of the dark's. */
 static tides_status take_light(td_additive_noise *noise, double *tau_ns, tides_error *error) {
     const double brightest = td_log1p(noise->light.log_eps),
                  darkest = noise->light.log_eps > 0 ? td_ln(noise->light.log_eps) : -700;
@@ -58,19 +57,20 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, 
     noise->spacing_ns = tau_ns / segments_per_tau;
     noise->move = td_noise_move_of(noise->sigma, 1 / segments_per_tau);
     td_noise_bridge_make(noise, noise->spacing_ns * segments_per_tau, noise->threshold);
-    if (noise->varies) noise->reach = 0; /* td_noise_sweep has it */
+    if (noise->varies) noise->reach = 0; /* td_additive_noise_sweep includes it in its bounds */
     return TIDES_OK;
 }
 
 /* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
-/* n(2 k) and n(2 k + 1) have the number k + 1; number 0 says where segment 0 begins: at or before the run's start. */
+/* Where segment 0 begins, at or before the run's start. Random number 0 is for this; n(2 k) and n(2 k + 1) come of number
+ * k + 1. */
 static double origin_of(const td_additive_noise *noise, uint32_t pixel) {
     td_random_bits bits = td_random(noise->seed, pixel, 0, TD_RANDOM_NOISE);
     return -td_random_uniform(&bits, 0) * noise->spacing_ns;
 }
 
-/* The block of normals that n(k) is of. */
+/* Draws the block of normals that contains n(k). */
 static void draw_block(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double normal[TD_NOISE_BLOCK]) {
     uint32_t pixels[TD_RANDOM_LANES];
     uint64_t number[TD_RANDOM_LANES];
@@ -94,7 +94,7 @@ static double end_of_segment(const td_additive_noise *noise, double origin_ns, d
 
 double td_additive_noise_tau(const td_additive_noise *noise) { return noise->spacing_ns * segments_per_tau; }
 
-/* The pixel's own size, of nominal. */
+/* The pixel's own size, over the nominal one. */
 static double own_of(const td_additive_noise *noise, uint32_t pixel) {
     double normal[2];
     if (!(noise->spread > 0)) return 1;
@@ -111,7 +111,7 @@ static void size_of(const td_additive_noise *noise, double own, double light, do
     *sigma *= own;
 }
 
-/* Fills the rest of a segment from its k, begin, origin_ns, normal and light. */
+/* Fills in the rest of a segment from its k, begin, origin_ns, normal and light. */
 static void finish(const td_additive_noise *noise, td_noise_segment *segment) {
     const double normal = segment->normal[(segment->k + 1) % TD_NOISE_BLOCK];
     segment->from_ns = segment->origin_ns + (double)segment->k * noise->spacing_ns;
@@ -161,17 +161,17 @@ void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, doub
 
 /* -- many pixels ----------------------------------------------------------------------------------------------------------- */
 
-/* Pixels of a sweep: what changes from point to point as numbers, so that compilers vectorise. */
+/* Pixels of a sweep. Values that change from point to point are arrays, so that compilers vectorise. */
 typedef struct lanes {
     uint32_t pixel[TD_RANDOM_LANES];
-    uint64_t number[TD_RANDOM_LANES];                         /* of the next pair of normals, */
-    double point[TD_RANDOM_LANES];                            /* n(point) and the next one's */
-    double first[TD_RANDOM_LANES], last[TD_RANDOM_LANES];     /* segments */
-    double x[TD_RANDOM_LANES], begin[TD_RANDOM_LANES];        /* where the lane has come to, and x(last) */
+    uint64_t number[TD_RANDOM_LANES];                         /* number of the next pair of normals */
+    double point[TD_RANDOM_LANES];                            /* n(point) and n(point + 1) */
+    double first[TD_RANDOM_LANES], last[TD_RANDOM_LANES];     /* numbers of segments */
+    double x[TD_RANDOM_LANES], begin[TD_RANDOM_LANES];        /* the process at `point`, and at the last segment's start */
     double lowest[TD_RANDOM_LANES], highest[TD_RANDOM_LANES]; /* x so far */
 } lanes;
 
-/* The first segment from `first` on that holds the step's end, by the reckoning of pixel.c. */
+/* The number of the segment that contains the step's end, from `first` on; computed with the rounding of pixel.c. */
 static double last_segment(const td_additive_noise *noise, double origin_ns, double first, double start_ns, double length_ns) {
     double k = (double)(int64_t)((start_ns + length_ns - origin_ns) / noise->spacing_ns) - 1;
     if (!(k > first)) k = first;
@@ -180,7 +180,7 @@ static double last_segment(const td_additive_noise *noise, double origin_ns, dou
     return k;
 }
 
-/* The lanes' first pairs; returns how many the longest of them takes. */
+/* Draws the lanes' first normals. Returns how many pairs the longest of them needs. */
 static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, double length_ns, lanes *l) {
     const uint64_t none[TD_RANDOM_LANES] = {0};
     double phase[TD_RANDOM_LANES];
@@ -229,7 +229,7 @@ static void sweep_lanes(const td_additive_noise *noise, double start_ns, double 
     }
 }
 
-/* td_additive_noise_sweep for noise that varies: one pixel after the other. */
+/* td_additive_noise_sweep for noise that depends on light or pixel: one pixel after the other. */
 static void sweep_varying(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
                           size_t count, const td_noise_sweep *sweep) {
     for (size_t i = 0; i < count; i++) {
@@ -260,7 +260,7 @@ void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, do
     for (size_t done = 0; done < count; done += TD_RANDOM_LANES) {
         lanes l;
         for (size_t i = 0; i < TD_RANDOM_LANES; i++) {
-            const size_t j = done + i < count ? done + i : done; /* what is left over goes with the first */
+            const size_t j = done + i < count ? done + i : done; /* the last group repeats its first pixel */
             l.pixel[i] = pixel[j];
             l.first[i] = sweep->segment[j];
             l.x[i] = sweep->value[j];

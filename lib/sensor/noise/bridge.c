@@ -1,4 +1,4 @@
-/* Additive noise between the points of its grid: a tree of parts, drawn where it comes near a level. */
+/* Additive noise between the points of its grid: a tree of parts, drawn only where the noise may come near a level. */
 #include "td_noise_bridge.h"
 
 #include "td_math.h"
@@ -7,14 +7,14 @@
 
 enum { DEPTH_MIN = 1 };
 
-/* Standard deviation of the shortest parts, as a share of the threshold. */
+/* Greatest standard deviation of the shortest parts, as a share of the threshold. */
 static const double finest = 0.25;
 
 /* Least movement of the signal over a part, as a share of the noise's range. A signal that moves less doesn't tell where in the
  * part a level may be reached. */
 static const double least_moved = 0.25;
 
-/* The largest q = -log(uniform) that is provided for: a bridge exceeds its bound once in e^12. */
+/* The greatest q = -log(uniform) that is used: a bridge exceeds its bound once in e^12. */
 static const double q_max = 12;
 
 /* A part of a segment, with bounds of the noise on it. */
@@ -24,7 +24,7 @@ typedef struct part {
     double from_ns, to_ns, begin, end, low, high;
 } part;
 
-/* A part at the bottom of the tree, where the noise is straight between its corners. */
+/* A part at the bottom of the tree: the noise is straight between its corners. */
 enum { CORNERS = 4 };
 typedef struct corners {
     double time_ns[CORNERS], value[CORNERS];
@@ -32,8 +32,8 @@ typedef struct corners {
 
 static double variance_of(double sigma, double tangent) { return 4 * sigma * sigma * tangent; }
 
-/* The numbers of parts of length l / tau: with m = 1 - e^-l, tanh(l / 2) = m / (2 - m) and 1 / cosh(l / 2) is
- * 2 e^(-l/2) / (2 - m). */
+/* The law of parts of length l / tau: with m = 1 - e^-l, tanh(l / 2) = m / (2 - m) and 1 / cosh(l / 2) = 2
+ * e^(-l/2) / (2 - m). */
 static td_noise_level level_of(double sigma, double l) {
     const double m = -td_expm1(-l), tangent = m / (2 - m);
     return (td_noise_level){variance_of(sigma, tangent), td_exp(-0.5 * l) / (2 - m), sigma * sqrt(tangent)};
@@ -57,7 +57,7 @@ void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double thresh
     noise->reach = reach_of(noise->level[0].variance);
 }
 
-/* The noise as it is on this segment, in `own` where it varies. */
+/* The noise's numbers on this segment; a copy in `own` where they vary. */
 static const td_additive_noise *here(const td_additive_noise *noise, const td_noise_segment *segment, td_additive_noise *own) {
     if (!noise->varies) return noise;
     own->seed = noise->seed;
@@ -69,7 +69,7 @@ static const td_additive_noise *here(const td_additive_noise *noise, const td_no
 
 /* -- the tree -------------------------------------------------------------------------------------------------------------- */
 
-/* Bounds: those of the part's bridge, within those of what it is a part of. */
+/* Sets a part's bounds: those of its bridge, within those of its parent. */
 static void bound(const td_additive_noise *noise, part *p, double low, double high) {
     const double change = p->end - p->begin, sum = p->begin + p->end;
     const double w = sqrt(change * change + 2 * q_max * noise->level[p->depth].variance);
@@ -102,13 +102,13 @@ static void halve(const td_additive_noise *noise, uint32_t pixel, uint64_t k, co
 
 static int is_bottom(const td_additive_noise *noise, const part *p) { return p->depth == noise->depth; }
 
-/* The share of the part after which it is at its maximum or minimum. */
+/* The place of its maximum or minimum, as a share of the part. */
 static double share_of(const part *p, double extreme) {
     const double rise = fabs(extreme - p->begin), fall = fabs(extreme - p->end);
     return rise + fall > 0 ? rise / (rise + fall) : 0.5;
 }
 
-/* Apart, so that nothing between corners is steep beyond reason where both extremes come in the middle. */
+/* Where both extremes would be in the middle, they are kept apart, so that the line between isn't too steep. */
 static const double first_latest = 7.0 / 16, second_earliest = 9.0 / 16;
 
 static void find_corners(const td_additive_noise *noise, uint32_t pixel, uint64_t k, const part *p, corners *c) {
@@ -158,13 +158,13 @@ static int may_reach(const td_noise_search *search, double low, double high, dou
     const double top = search->reference + search->on - high, bottom = search->reference - search->off - low;
     *s = from;
     if (search->low > bottom && search->high < top) return 0;
-    /* Levels that leave no room, or a signal that hardly moves: there is nothing more to tell. */
+    /* 1 where only a crossing search can tell: the levels leave no room, or the signal hardly moves. */
     if (!(top > bottom) || search->high - search->low < least_moved * (high - low)) return 1;
     const double half = 0.5 * (top - bottom);
     return td_response_crossing(search->response, bottom + half, half, half, from, to, s) != 0;
 }
 
-/* The first crossing of the response with a straight stretch of noise. */
+/* The first crossing of the response with a straight line of noise. */
 static int cross_straight(const td_noise_search *search, const corners *c, int i, double from, double to, double *s) {
     const double slope = (c->value[i + 1] - c->value[i]) / (c->time_ns[i + 1] - c->time_ns[i]);
     const double begin = c->value[i] + slope * (search->start_ns - c->time_ns[i]), rise = slope * search->length_ns;
@@ -185,7 +185,7 @@ static int cross_corners(const td_noise_search *search, const corners *c, double
     return 0;
 }
 
-/* Parts in time order; what is still to be looked at is on a stack, as deep as the tree. */
+/* Visits the parts in order of time, with a stack as deep as the tree. */
 int td_noise_crossing(const td_noise_search *search, const td_noise_segment *segment, double from, double to, double *s) {
     part left[TD_NOISE_DEPTH_MAX + 2];
     td_additive_noise own;
@@ -197,8 +197,7 @@ int td_noise_crossing(const td_noise_search *search, const td_noise_segment *seg
         double begin = p.node == 1 ? from : fmax(from, place_of(search, p.from_ns)), end = to;
         corners c;
         part half[2];
-        if (p.node & (p.node + 1))
-            end = fmin(to, place_of(search, p.to_ns)); /* the last of a generation ends with the segment */
+        if (p.node & (p.node + 1)) end = fmin(to, place_of(search, p.to_ns)); /* the last part ends with the segment */
         if (!(begin <= end) || !may_reach(search, p.low, p.high, begin, end, &begin)) continue;
         if (is_bottom(noise, &p)) {
             find_corners(noise, search->pixel, segment->k, &p, &c);

@@ -33,21 +33,21 @@ tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, ti
     kick->row_ns = 1e9 * s->kick_row_s;
     for (int r = 0; r < 2; r++) kick->read_ns[r] = 1e9 * (s->kick_first_s - start) + 1e9 * s->kick_reads_s[r];
     kick->reads = s->kick_reads_s[0] == s->kick_reads_s[1] ? 1 : 2;
-    kick->most = fabs(kick->size) * kick->reads / -td_expm1(-(kick->period_ns - 1) / kick->recovery_ns); /* reads are rounded */
+    kick->most = fabs(kick->size) * kick->reads / -td_expm1(-(kick->period_ns - 1) / kick->recovery_ns); /* - 1: rounding */
     return TIDES_OK;
 }
 
-/* Time of a read, at half a nanosecond. Steps begin and end at whole ones where they are commensurate with frames, and rounding
- * must not put a read on either side of such an end. */
+/* Time of a read [ns], at half a nanosecond. Steps may begin and end at reads, at whole nanoseconds. Rounding must not put a
+ * read on one side of such an end in one step, and on the other in the next. */
 static double read_at(const td_kick *kick, int r, int32_t y, double frame) {
     return floor(kick->read_ns[r] + frame * kick->period_ns + y * kick->row_ns) + 0.5;
 }
 
-/* The first frame whose read r of row y is at or after `time`, and not before the run. */
+/* The number of the first frame whose read r of row y is at or after `time`, at least 0. */
 static double frame_from(const td_kick *kick, int r, int32_t y, double time) {
     const double from = fmax(time, 0);
     double frame = fmax(ceil((from - read_at(kick, r, y, 0)) / kick->period_ns), 0);
-    while (frame > 0 && read_at(kick, r, y, frame - 1) >= from) frame--; /* the division rounds */
+    while (frame > 0 && read_at(kick, r, y, frame - 1) >= from) frame--; /* mends the rounding of the division */
     while (read_at(kick, r, y, frame) < from) frame++;
     return frame;
 }
@@ -69,7 +69,7 @@ double td_kick_next(const td_kick *kick, int32_t y, double time) {
     return next;
 }
 
-/* Between reads K goes to 0 all the way: its extremes are on both sides of reads and at the ends. */
+/* Between reads K decays to 0. Its extremes are just before and after reads, and at the interval's ends. */
 void td_kick_bounds(const td_kick *kick, int32_t y, double from, double to, double *low, double *high) {
     double K = td_kick_at(kick, y, from), at = from;
     *low = *high = K;

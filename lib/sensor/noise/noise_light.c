@@ -8,7 +8,7 @@
 #include <math.h>
 
 static const double electron_a_s = 1.602176634e-19; /* the elementary charge, exact in the SI */
-static const double excess = 2; /* F: shot noise of the photodiode, and as much of the photoreceptor (arXiv 2304.04019) */
+static const double excess = 2; /* F: the photodiode's shot noise, and as much from the photoreceptor (arXiv 2304.04019) */
 
 static tides_status check_currents(const tides_circuit *circuit, tides_error *error) {
     if (!(circuit->photocurrent_a >= 0 && circuit->photocurrent_a <= 1))

@@ -1,4 +1,4 @@
-/* Shot noise and hot pixels: candidates by counter, thinned by intensity. */
+/* Shot noise and hot pixels: candidates are drawn by counter, and shot candidates thinned by light. */
 #include "td_shot_noise.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -10,7 +10,7 @@
 
 static const uint32_t purpose[TD_NOISES] = {TD_RANDOM_SHOT_ON, TD_RANDOM_SHOT_OFF, TD_RANDOM_HOT};
 
-/* v2e's law: how far the brightest pixel's rate is below the darkest's, and the DN that its intensity scale begins at. */
+/* v2e's law: the brightest pixel has this share less than the darkest, and intensity is (DN + 20) / 275 with DN = 255 Y. */
 static const double brightest_loss = 0.75, dn_offset = 20, dn_range = 275, dn_full = 255;
 
 static double shot_factor(double Y) {
@@ -59,8 +59,8 @@ void td_shot_noise_release(td_shot_noise *noise) {
     memset(noise, 0, sizeof *noise);
 }
 
-/* Candidate `drawn` (from 1) of a source: half 0 says how long after the one before it, half 1 whether it is kept. Index 0 says
- * whether the pixel is hot. */
+/* The random bits of candidate `drawn` (from 1) of a source. Half 0 gives the time since the candidate before, half 1 whether
+ * it is kept. Index 0 is for whether the pixel is hot. */
 static td_random_bits bits_of(const td_shot_noise *noise, int source, uint32_t pixel, uint32_t drawn) {
     return td_random(noise->seed, pixel, drawn, purpose[source]);
 }

@@ -3,31 +3,31 @@
  *
  *   K(t) = kick x the sum over the row's reads before t of e^(-(t - read) / kick_recovery_s)
  *   reads of row y: kick_first_s + k / kick_rate_hz + kick_reads_s[0 or 1] + y kick_row_s, k = 0, 1, ...; none before the run;
- *                   moved by half a nanosecond at most, to halves of whole ones
+ *                   rounded to odd half nanoseconds
  *
- * A function of row and time alone: pixels carry nothing of it. At a read's own time K is what it was before it, so that a
- * step, which is half-open at its start, has the reads of [start, stop). */
+ * K is a function of row and time alone: pixels have no state of it. A read acts after its own time, so that a step has the
+ * reads of [start, stop). */
 #ifndef TD_KICK_H
 #define TD_KICK_H
 
 #include "tides/sensor.h"
 
-/* Recoveries in a step, at most: a step's part of K is a constant times e^(-s), s from the step's start. */
+/* Greatest length of a step in recovery times: in a step K is a constant times e^(-s), s from the step's start. */
 #define TD_KICK_STEP_MAX 16.0
 
 typedef struct td_kick {
     int on;
     double size; /* [log units] */
     double recovery_ns, period_ns, row_ns;
-    double read_ns[2]; /* of row 0 in frame 0, since the run's start */
-    int reads;         /* 1 where both are the same */
-    double most;       /* |K| is never above it */
+    double read_ns[2]; /* of row 0 in frame 0 [ns since the run's start] */
+    int reads;         /* 1 where both reads coincide */
+    double most;       /* greatest |K| */
 } td_kick;
 
-/* Off where kick is 0. `start` [s]: the run's. TIDES_BAD_ARGUMENT naming the field. */
+/* Makes the kicks of a sensor; off where kick is 0. `start` [s]: the run's. TIDES_BAD_ARGUMENT naming the field. */
 TIDES_MUST_CHECK tides_status td_kick_make(const tides_sensor *sensor, double start, td_kick *kick, tides_error *error);
 
-/* K of row y at `time`, and the row's first read at or after it [ns since the run's start]. */
+/* td_kick_at: K of row y at `time` [ns since the run's start]. td_kick_next: the row's first read at or after it. */
 double td_kick_at(const td_kick *kick, int32_t y, double time);
 double td_kick_next(const td_kick *kick, int32_t y, double time);
 

@@ -1,23 +1,23 @@
-/* The pixel's circuit over whole steps of the pixels of a tile, in loops that compilers vectorise: for the comparator, which
- * takes those that find no answer here, and those that come near a level, by td_frontend_step.
+/* The pixel's circuit over whole steps of the pixels of a tile, in loops that vectorise. Pixels without an answer here, and
+ * those near a level, are solved one by one by td_frontend_step.
  *
  * With d = L - y, v = y' and the light's current I the photoreceptor is v' = A I d - (B + C I) v. A step is cut into panels of
- * equal length, on which x goes from 0 to 1. There L is a cubic, I the Taylor series of e^L (E' = L' E) with TERMS terms, and y
- * the Taylor series that follows from them, with ORDER terms, from the panel's begin on, where value and slope are known. The
- * filters after y are low-passes with constant rates, whose answers to x^n are numbers (`passed`) that all pixels share.
+ * equal length, on which x goes from 0 to 1. There L is a cubic, and I the Taylor series of e^L (E' = L' E) with TERMS terms. y
+ * is the Taylor series that follows from them, with ORDER terms, from the panel's beginning, where value and slope are known.
+ * The filters after y are low-passes with constant rates, whose responses to x^n are numbers (`passed`) that all pixels share.
  *
- * The error. y so cut off is, exactly, the answer to the input L + g, where A I g is what the cut leaves of the equation: all
+ * The error. The truncated y is exactly the response to the input L + g, where A I g is the residual of the equation: all
  * products of orders from ORDER - 1 on. With w = A d - C v and T_j for the sum of |I_k| from k = j on, that is at most
  *
  *   B |v_last| + sum over m of |w_m| T_(ORDER - 1 - m),
  *
- * and T_j's part beyond the TERMS is at most (|l1| e_7 + 2 |l2| (e_6 + e_7) + 3 |l3| (e_5 + e_6 + e_7)) / (TERMS - |l1| -
- * 2 |l2| - 3 |l3|), e_k = |E_k|, since the sum of k E_k is L' E. A pixel whose bound of g exceeds a tenth of the tolerance has
- * no answer here. g is an error of the input, as what td_frontend_step leaves is: errors of the input don't add up from panel
- * to panel or from step to step (substeps.c).
+ * and T_j's part beyond the TERMS is at most (|l1| e_7 + 2 |l2| (e_6 + e_7) + 3 |l3| (e_5 + e_6 + e_7)) / (TERMS - |l1| - 2
+ * |l2| - 3 |l3|), e_k = |E_k|, since the sum of k E_k is L' E. A pixel whose bound of g exceeds a tenth of the tolerance has no
+ * answer here. g is an error of the input, as that of td_frontend_step is. Errors of the input don't add up from panel to panel
+ * or from step to step, because the circuit forgets them.
  *
  * Bounds. On a panel y is between y(0) plus the sum of its series' negative terms and y(0) plus that of its positive ones. A
- * low-pass is an average of what it was and what comes in. */
+ * low-pass is an average of its old value and its input. */
 #include "td_exponential.h"
 #include "td_math.h"
 #include "td_extremes.h"
@@ -30,7 +30,7 @@
 
 enum { ORDER = 16, TERMS = 8, BLOCK = 64, LANES = 32, STATES = TD_FRONTEND_STATE };
 
-/* A panel's length times the sum of the equation's rates: longer ones need more than ORDER terms. */
+/* Greatest product of a panel's length and the sum of the equation's rates: longer panels need more than ORDER terms. */
 static const double longest = 2;
 
 /* Weight of the change of L in the number of panels: its slope is three times the difference of two neighbouring control
@@ -41,42 +41,42 @@ static const double steep = 3 * 4;
 enum { CLASSES = 14 };
 static const double panels_of[CLASSES] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
 
-/* Times that a step whose bound is too large is tried again, each with twice as many panels. */
+/* A step whose bound is too large is tried again so many times, each time with twice as many panels. */
 static const int retries = 2;
 
 /* Tolerance of g: a fifth of the error that td_frontend_step may leave. */
 static const double tolerance = 0.1 * TD_FRONTEND_TOLERANCE;
 
-/* The equation's numbers [1/s], per ampere where they go with the light. */
+/* The equation's numbers [1/s]; those that go with the light are per ampere. */
 typedef struct circuit {
     double spring, drag, drag_light;     /* A, B, C */
-    double light, dark, log_eps, dark_L; /* of Y = 0: log(log_eps) */
+    double light, dark, log_eps, dark_L; /* light, dark: I = light Y + dark; dark_L: L of Y = 0, log(log_eps) */
 } circuit;
 
-/* A low-pass on a panel: it keeps so much of what it was, and has so much of x^n at the end. */
+/* A low-pass over a panel: the share of its old value at the end, and its response to x^n. */
 typedef struct low_pass {
     double kept, of[ORDER + 1];
 } low_pass;
 
-/* A panel's numbers that all its pixels share. */
+/* A panel's numbers, the same for all pixels. */
 typedef struct panel {
     circuit law;
     double a, b, c;                /* A, B, C in the panel's time */
-    double from, length, length_s; /* in the step's s; the last in seconds */
-    low_pass follower, after;      /* z; S of y */
-    double lag;                    /* of z at the begin, in S at the end */
+    double from, length, length_s; /* place and length in the step's s; length in seconds */
+    low_pass follower, after;      /* source follower; the low-pass behind it, whose output is S */
+    double lag;                    /* share of the follower's old value in S at the end */
     int has_difference;
 } panel;
 
-/* Pixels side by side: their input as a polynomial of the step's s, the least I, their state, and what comes of them. */
+/* Pixels side by side: their input as a polynomial of the step's s, the least I, their state, and the results. */
 typedef struct block {
     double l[4][BLOCK], dimmest[BLOCK], state[STATES][BLOCK];
-    double low[BLOCK], high[BLOCK], fails[BLOCK]; /* 0 or NaN */
+    double low[BLOCK], high[BLOCK], fails[BLOCK]; /* bounds of S; fails: 0, or NaN without an answer */
     int pixel[BLOCK];
     int count;
 } block;
 
-/* Some of them on a panel. */
+/* Some of the block's pixels, on a panel. */
 typedef struct lanes {
     double I[TERMS][LANES], E[TERMS][LANES], l[4][LANES];
     double y[ORDER + 1][LANES], v[ORDER][LANES], w[ORDER + 1][LANES];
@@ -94,8 +94,8 @@ static circuit circuit_of(const td_frontend *f, double log_eps) {
                      td_ln(log_eps)};
 }
 
-/* The integral of r e^(-r (1 - x)) x^n over [0, 1], of_n = 1 - n / r of_(n-1): upwards where that shrinks errors, and else
- * downwards from where it hardly matters what there is. */
+/* The integral of r e^(-r (1 - x)) x^n over [0, 1], by the recurrence of_n = 1 - n / r of_(n-1). Upwards where that reduces
+ * errors, else downwards from a high n, where the start hardly matters. */
 static low_pass low_pass_of(double r) {
     enum { START = 60 };
     low_pass pass = {td_exp(-r), {-td_expm1(-r)}};
@@ -111,7 +111,7 @@ static low_pass low_pass_of(double r) {
     return pass;
 }
 
-/* A low-pass that is left out passes all. */
+/* The low-pass of rate r; for r = 0 one that passes its input unchanged. */
 static low_pass low_pass_or_none(double r) {
     low_pass pass = {.kept = 0};
     if (r > 0) return low_pass_of(r);
@@ -136,7 +136,7 @@ static void share(const td_frontend *f, panel *p) {
 
 /* -- a panel --------------------------------------------------------------------------------------------------------------- */
 
-/* Input and light: what they leave out is the last of T. */
+/* The series of the input and the light; the last of T bounds the terms that are left out. */
 static inline void take_light(const panel *p, const block *of, int first, int count, lanes *restrict at) {
     const double m = p->from, q = p->length;
     for (int i = 0; i < count; i++) {
@@ -167,8 +167,8 @@ static inline void take_light(const panel *p, const block *of, int first, int co
         for (int i = 0; i < count; i++) at->beyond[k][i] = at->beyond[k + 1][i] + fabs(at->I[k][i]);
 }
 
-/* Products of I from one order on upwards with w downwards to w[0]. The compiler doesn't know how many pixels there are: it
- * unrolls loops of a known length before they would vectorise. */
+/* Adds products of I, from one order upwards, with w, downwards to w[0]. `count` isn't a constant, because gcc unrolls loops of
+ * constant length before it would vectorise them. */
 static inline void add_four(int count, double (*I)[LANES], double (*w)[LANES], double *restrict sum) {
     const double *I0 = I[0], *I1 = I[1], *I2 = I[2], *I3 = I[3], *w0 = w[3], *w1 = w[2], *w2 = w[1], *w3 = w[0];
     for (int i = 0; i < count; i++) sum[i] = (((sum[i] + I0[i] * w0[i]) + I1[i] * w1[i]) + I2[i] * w2[i]) + I3[i] * w3[i];
@@ -196,7 +196,7 @@ static inline void take_series(const panel *p, const block *of, int first, int c
         for (; k <= last; k++) add_one(count, at->I[k], at->w[n - k], sum);
         for (int i = 0; i < count; i++) {
             const double y = at->v[n][i] * by, d = (n < 3 ? at->l[n + 1][i] : 0) - y;
-            double v = 0; /* the last of y's terms is beyond those of its slope */
+            double v = 0; /* y's last term: its slope's is beyond the series */
             if (n + 1 < ORDER) v = at->v[n + 1][i] = sum[i] * by;
             at->y[n + 1][i] = y;
             at->w[n + 1][i] = a * d - c * v;
@@ -204,7 +204,7 @@ static inline void take_series(const panel *p, const block *of, int first, int c
     }
 }
 
-/* Takes the pixels to the panel's end. */
+/* Advances the pixels to the panel's end. */
 static inline void finish(const panel *p, block *restrict of, int first, int count, const lanes *at) {
     double y[LANES], v[LANES], z[LANES], S[LANES], up[LANES], down[LANES], left[LANES];
     for (int i = 0; i < count; i++) {
@@ -255,7 +255,7 @@ TD_WIDE static void step_panel(const panel *p, block *of) {
 
 /* -- steps ----------------------------------------------------------------------------------------------------------------- */
 
-/* How many panels each pixel would have, INFINITY where it has no answer; and the least I. */
+/* How many panels each pixel needs, INFINITY where it has no answer, and the least I. */
 TD_WIDE static void want(const circuit *given, double h, int count, const double *const control[4], double *restrict wanted,
                          double *restrict dimmest) {
     const circuit law = *given;
@@ -293,7 +293,7 @@ static void take(block *of, size_t pixel, const double b[4], double dimmest, con
     of->pixel[k] = (int)pixel;
 }
 
-/* Lanes that are left over do as the last one. */
+/* Fills the last vector by repeating the last pixel. */
 static void fill_up(block *of) {
     const int last = of->count - 1;
     for (int k = of->count; k < td_whole_vectors(of->count); k++) {

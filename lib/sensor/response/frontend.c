@@ -29,7 +29,7 @@ static tides_status check_choice(const char *field, int value, const char *choic
     return td_fail(error, TIDES_BAD_ARGUMENT, "%s is %d; it must be one of %s", field, value, choices);
 }
 
-/* The least damping of the photoreceptor at any light is about 1 / sqrt(A_loop + 1): this keeps it above 0.01, so that a swing
+/* Greatest A_loop + 1. The least damping of the photoreceptor at any light is about 1 / sqrt(A_loop + 1). Above 0.01 a swing
  * dies within a few thousand parts of the crossing search. */
 static const double loop_gain_max = 1e4;
 
@@ -57,7 +57,7 @@ static tides_status check_circuit(const tides_circuit *circuit, tides_error *err
     return status;
 }
 
-/* Two equal poles are put apart about their mean, which changes the chain in second order only. */
+/* Moves two equal poles apart about their mean, which changes the response in second order only. */
 static void part_equal_poles(td_frontend *frontend) {
     double mean = 0.5 * (frontend->source_follower + frontend->difference);
     double apart = 0.5 * TD_POLES_APART * mean;
@@ -117,7 +117,7 @@ tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend,
 
 /* -- steps ----------------------------------------------------------------------------------------------------------------- */
 
-/* state: S, the second-order photoreceptor's output and its slope [1/s], the source follower's output. */
+/* At rest. state: S, the second-order photoreceptor's output and its slope [1/s], the source follower's output. */
 double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, double state[TD_FRONTEND_STATE]) {
     (void)log_eps; /* at rest a low-pass is at its input, whatever its rate is */
     state[0] = state[1] = state[3] = L;
@@ -126,8 +126,8 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
     return state[0];
 }
 
-/* The walk over the substeps; `source` gets a segment for each eighth of the step. One substep alone, in the step's own time,
- * is the response itself. */
+/* Walks over the substeps of a step; `source` gets a segment for each eighth of it. If there is one substep in the step's own
+ * time, its response is returned directly. */
 static void step_in_substeps(td_filter_input *source, double state[TD_FRONTEND_STATE], td_response *response) {
     td_substeps substeps;
     double low, high;

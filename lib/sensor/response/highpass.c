@@ -1,5 +1,5 @@
-/* The high-pass: y = S - z, where z is a low-pass of S. As sums of poles S and z have the low-pass' pole in common, so that y
- * is one more sum of poles, whose weights add up to 0: exact for a cubic as the low-pass is. */
+/* The high-pass: y = S - z, where z is a low-pass of S. S and z are sums of poles, and have the low-pass' pole in common. So y
+ * is a sum of poles too, whose weights add up to 0. It is exact for a cubic input. */
 #include "td_highpass.h"
 #include "td_base.h"
 #include "td_lowpass.h"
@@ -24,7 +24,7 @@ tides_status td_highpass_make(const tides_sensor *sensor, td_frontend *frontend,
     return TIDES_OK;
 }
 
-/* The input less its low-pass, which is at `z`. */
+/* The response without a low-pass before it: the input less its low-pass, whose state is `z`. */
 static void respond_alone(double rate, double z, const td_model *input, td_response *response) {
     td_response low;
     td_pole_respond(rate, z, input, &low);
@@ -37,7 +37,7 @@ static void respond_alone(double rate, double z, const td_model *input, td_respo
 
 static td_complex minus(td_complex a, td_complex b) { return (td_complex){a.re - b.re, a.im - b.im}; }
 
-/* The low-pass, at S, less that of its own low-pass, at `z`. */
+/* The response behind a low-pass: S less its low-pass, whose state is `z`. */
 static void respond_behind(const td_poles *poles, double rate, double z, const td_model *input, td_response *response) {
     td_poles y = td_poles_then(poles, rate, z);
     y.pole[0].weight = minus(poles->pole[0].weight, y.pole[0].weight);

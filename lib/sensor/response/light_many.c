@@ -1,9 +1,9 @@
-/* The low-pass whose rate goes with the light over the pixels of a tile, in loops that compilers vectorise.
+/* The low-pass whose rate goes with the light, over the pixels of a tile, in loops that vectorise.
  *
- * Most steps are answered as a whole (light_whole.c). Each other pixel walks along its own substeps, by the same operations and
- * the same lengths as in substeps.c, so that it ends the step where td_frontend_step has it end, to the bit. All that are still
- * on their way go one substep further at a time; those that have arrived make room. A pixel whose light is cut off at 0, or
- * which would take very many substeps, is left to td_frontend_step. */
+ * Most steps are solved as a whole (light_whole.c). Each other pixel walks along its own substeps, with the operations and
+ * lengths of substeps.c, so that its state at the step's end is that of td_frontend_step, to the bit. All pixels that are under
+ * way advance by one substep at a time, and those that have arrived are taken out. A pixel whose light is cut off at 0, or
+ * which needs very many substeps, is left to td_frontend_step. */
 #include "td_frontend.h"
 #include "td_light_step.h"
 #include "td_math.h"
@@ -13,22 +13,22 @@
 #include <float.h>
 #include <math.h>
 
-enum { TOGETHER = 64, ROUNDS = 256 }; /* pixels; substeps tried of each */
+enum { TOGETHER = 64, ROUNDS = 256 }; /* pixels side by side; substeps tried for each */
 
 /* Relative rounding of S, which is an average of its old value and the input. */
 static const double rounding = 64 * DBL_EPSILON;
 
-/* Pixels under way: the first so many of the arrays. */
+/* Pixels under way: the first `count` entries of the arrays. */
 typedef struct walk {
     double b[4][TOGETHER]; /* the step's input */
     double S[TOGETHER], from[TOGETHER], length[TOGETHER];
-    double low[TOGETHER], high[TOGETHER];   /* of S in the substeps that are behind */
-    double going[TOGETHER], lost[TOGETHER]; /* 1 or 0 */
+    double low[TOGETHER], high[TOGETHER];   /* bounds of S in the substeps so far */
+    double going[TOGETHER], lost[TOGETHER]; /* 1 or 0: under way; can't be solved here */
     int pixel[TOGETHER];
     int count;
 } walk;
 
-/* Numbers that all pixels of the step share. */
+/* Numbers of the filter, the same for all pixels of the step. */
 typedef struct shared {
     td_light_law law;
     double dark_L, seconds, tolerance;
@@ -36,9 +36,9 @@ typedef struct shared {
 
 TD_WITHIN double choose(double yes, double a, double b) { return yes > 0 ? a : b; }
 
-/* Tries one substep of each pixel. A pixel that is lost stays where it was. Bounds: S(s) - S(0) is 1 - e^(-rate s) times an
- * average of L less S(0), and that factor is at most the rate. S below all of L rises; if it also ends below L, it has never
- * met it. */
+/* Tries one substep of each pixel. A lost pixel stays where it was. Bounds: S(s) - S(0) is 1 - e^(-rate s) times an average of
+ * L less S(0), and that factor is at most `rate`. If S begins below all of L it rises; if it also ends below L, it hasn't met
+ * L. */
 TD_WIDE static void go_on(const shared *by, walk *at) {
     const td_light_law law = by->law;
     const double dark_L = by->dark_L, seconds = by->seconds, tolerance = by->tolerance;
@@ -113,7 +113,7 @@ static int is_finite(const double b[4], double S) {
     return (b[0] - b[0]) + (b[1] - b[1]) + (b[2] - b[2]) + (b[3] - b[3]) + (S - S) == 0;
 }
 
-/* Starts the walk of the pixels that have no answer for the whole step. */
+/* Starts the walk of the pixels for which the whole step has no answer. */
 static void set_out(walk *at, size_t count, const double *const control[4], const double *S, const ends *to) {
     at->count = 0;
     for (size_t i = 0; i < count; i++) {

@@ -1,24 +1,24 @@
-/* The low-pass whose rate goes with the light over whole steps of the pixels of a tile, in loops that compilers vectorise: for
- * light_many.c, which has substeps for those that find no answer here.
+/* The low-pass whose rate goes with the light, over whole steps of the pixels of a tile, in loops that vectorise. Pixels
+ * without an answer here are solved in substeps.
  *
  * With V the integral of its rate, S' = V' (L - S) has the solution
  *
- *   S(1) = L(1) + (S(-1) - L(-1)) e^(V(-1) - V(1)) - integral of L'(x) e^(V(x) - V(1)),    x in [-1, 1] over the step,
+ *   S(1) = L(1) + (S(-1) - L(-1)) e^(V(-1) - V(1)) - integral of L'(x) e^(V(x) - V(1)),    x in [-1, 1] over the step.
  *
- * which depends on no substeps: V' is the Taylor series of e^L (E' = L' E), and Gauss's rule of six nodes takes the integral.
- * What both leave out has bounds that hold for every pixel, and one whose bound is too large has no answer here:
+ * V' is the Taylor series of e^L (E' = L' E), and Gauss's rule of six nodes computes the integral. The errors of both have
+ * bounds for every pixel, and a pixel whose bound is too large has no answer here:
  *
  *   The series. With |l_k| for L's coefficients it has terms g_n >= |e_n|, of which all from g_TERMS on are together at most
  *   (|l1| g_7 + 2 |l2| (g_6 + g_7) + 3 |l3| (g_5 + g_6 + g_7)) / (TERMS - |l1| - 2 |l2| - 3 |l3|): sum n g_n = L' E.
- *   The rule. It is exact for L' alone, and what is left, f = L' (e^(V - V(1)) - 1), is an entire function: where |f| <= M on
- *   the ellipse about -1 and 1 whose semi-axes add up to r, it is off by at most 64/15 M r^-10 / (r^2 - 1) (Trefethen,
- *   Approximation Theory and Approximation Practice, theorem 19.3). M is had from the g_n, and |e^z - 1| <= |z| e^(Re z)+.
+ *   The rule. It is exact for L' alone. The rest, f = L' (e^(V - V(1)) - 1), is an entire function: where |f| <= M on the
+ *   ellipse about -1 and 1 whose semi-axes add up to r, the rule's error is at most 64/15 M r^-10 / (r^2 - 1) (Trefethen,
+ *   Approximation Theory and Approximation Practice, theorem 19.3). M follows from the g_n, and |e^z - 1| <= |z| e^(Re z)+.
  *
- * Steps forget what was before them by e^-R, where R is the step's V(1) - V(-1). So one may be off by 1 - e^-R, which is at
- * least R / (1 + R), of the tolerance: then no sum of steps is off by more than that.
+ * A step keeps e^-R of earlier errors, where R is the step's V(1) - V(-1). So each step may have an error of 1 - e^-R of the
+ * tolerance, which is at least R / (1 + R): then the sum over all steps is at most the tolerance.
  *
- * Bounds of S on the step come from its ends: at a maximum between them S is L, so at most L's largest; and from there it falls
- * no faster than towards L's least, so that it is at most S(1) + (S(1) - least) (e^R - 1). A minimum is bounded likewise. */
+ * Bounds of S on the step come from its ends. At a maximum between them S is L, so at most L's largest. From there S falls no
+ * faster than towards L's least, so that it is at most S(1) + (S(1) - least) (e^R - 1). A minimum is bounded likewise. */
 #include "td_exponential.h"
 #include "td_extremes.h"
 #include "td_frontend.h"
@@ -34,7 +34,7 @@ enum { TERMS = 8, NODES = 3, BLOCK = 64, PANELS_MAX = 8 };
 static const double node[NODES] = {0.23861918608319690863, 0.66120938646626451366, 0.93246951420315202781};
 static const double weight[NODES] = {0.46791393457269104739, 0.36076157304813860757, 0.17132449237917034504};
 
-/* The ellipse: r, its larger semi-axis and powers of that. */
+/* The ellipse: r, its larger semi-axis and powers of r. */
 #define ELLIPSE 10.0
 #define AXIS (0.5 * (ELLIPSE + 1 / ELLIPSE))
 #define AXIS_2 (AXIS * AXIS)
@@ -43,28 +43,28 @@ static const double weight[NODES] = {0.46791393457269104739, 0.36076157304813860
 /* Error of Gauss's rule where M is 1. */
 #define RULE (64.0 / 15 / (1e10 * (ELLIPSE * ELLIPSE - 1)))
 
-/* Largest R in full light for one use of the rule; longer steps are taken in panels. */
+/* Largest R in full light for one use of the rule; longer steps are cut into panels. */
 static const double longest = 3.5;
 
-/* Tolerance of S, a part of the promised one. It costs little: the bounds are far above the measured error (1e-13). */
+/* Tolerance of S, a tenth of the promised one. It costs little: bounds are far above the measured error (1e-13). */
 static const double tolerance = 0.1 * TD_FRONTEND_TOLERANCE;
 
 /* The filter's numbers that all pixels of a step share. */
 typedef struct light_pole {
     double rate, light, beside; /* V' = rate (light e^L + beside) */
     double dark_L;
-    double middle, half; /* of the panel at hand, in x of the step */
+    double middle, half; /* of the current panel, in x of the step */
 } light_pole;
 
-/* Pixels side by side: their input about the panel's middle, its least and largest on the step, and what comes of it. */
+/* Pixels side by side: their input about the panel's middle, its least and largest on the step, and the results. */
 typedef struct light_block {
     double l[4][BLOCK], least[BLOCK], most[BLOCK];
     double r[TERMS][BLOCK], end[BLOCK]; /* V' = r0 + r1 x + ..., V(1) - V(0) */
-    double missing[BLOCK], M[BLOCK];    /* bounds: of what the series leaves out of V(1) - V(x), of f on the ellipse */
+    double missing[BLOCK], M[BLOCK];    /* bounds: of the series' error of V(1) - V(x), and of f on the ellipse */
     double sum[BLOCK];                  /* the integral */
 } light_block;
 
-/* The powers of 1 to x's own in V(x) - V(0): odd ones and even ones. */
+/* Odd and even powers in V(x) - V(0), for x and -x. */
 static inline double odd_part(double r0, double r2, double r4, double r6, double x) {
     const double z = x * x;
     return x * (r0 + z * (r2 * (1.0 / 3) + z * (r4 * (1.0 / 5) + z * (r6 * (1.0 / 7)))));
@@ -112,7 +112,7 @@ TD_WIDE static void take_series(const light_pole *given, int count, light_block 
                             g4 * ((AXIS_4 * AXIS + 1) / 5) + g5 * ((AXIS_4 * AXIS_2 + 1) / 6) +
                             g6 * ((AXIS_4 * AXIS_2 * AXIS + 1) / 7) + g7 * ((AXIS_4 * AXIS_4 + 1) / 8);
         const double steep = m1 + AXIS * m2 + AXIS_2 * m3;
-        /* Beyond 600 it is far too much whatever it is. */
+        /* Above 600 M is far too large in any case. */
         const double M = steep * (r0 * (AXIS + 1) + bent) * td_exponential(td_lesser(r0 * (AXIS - 1) + bent, 600));
         at->r[0][i] = r0;
         at->r[1][i] = r1;
@@ -129,7 +129,7 @@ TD_WIDE static void take_series(const light_pole *given, int count, light_block 
     }
 }
 
-/* The integral's share of a node and the one across. */
+/* Adds the integral's share of the nodes x and -x. */
 TD_WIDE static void add_nodes(double x, double by, int count, light_block *restrict at) {
     for (int i = 0; i < count; i++) {
         const double odd = odd_part(at->r[0][i], at->r[2][i], at->r[4][i], at->r[6][i], x);
@@ -139,7 +139,7 @@ TD_WIDE static void add_nodes(double x, double by, int count, light_block *restr
     }
 }
 
-/* S goes to the panel's end, `low` and `high` over what it has on it; they become NaN where it isn't known well enough. */
+/* Takes S to the panel's end, and extends `low` and `high`. They become NaN where the error's bound is too large. */
 TD_WIDE static void finish(const light_pole *given, int count, const light_block *restrict at, double *restrict S_at,
                            double *restrict low, double *restrict high) {
     const light_pole p = *given;
@@ -150,13 +150,13 @@ TD_WIDE static void finish(const light_pole *given, int count, const light_block
         const double decay = td_exponential(td_greater(-R, -600)), after = (l0 + l1 + l2 + l3) + lag * decay - at->sum[i];
         const double moved = 2 * (fabs(l1) + 2 * fabs(l2) + 3 * fabs(l3));
         const double error =
-            1.01 * at->missing[i] * (fabs(lag) + moved) + RULE * at->M[i]; /* e^missing < 1.01 where it counts */
+            1.01 * at->missing[i] * (fabs(lag) + moved) + RULE * at->M[i]; /* e^missing < 1.01 where the bound can be met */
         const double over = after + TD_FRONTEND_TOLERANCE, under = after - TD_FRONTEND_TOLERANCE, grown = 1 / decay - 1;
         const double peak = td_lesser(most, over + td_greater(over - least, 0) * grown);
         const double trough = td_greater(least, under - td_greater(most - under, 0) * grown);
         const double margin = TD_FRONTEND_TOLERANCE + 64 * DBL_EPSILON * (fabs(S) + fabs(most) + fabs(least));
         double fails = error * (1 + R) <= tolerance * R ? 0.0 : NAN;
-        fails = R > 0 ? fails : NAN; /* a series that is far off may come to anything */
+        fails = R > 0 ? fails : NAN; /* a series that is far off may give any value */
         fails = least >= p.dark_L ? fails : NAN;
         fails = most < 60 ? fails : NAN;
         S_at[i] = after;

@@ -1,12 +1,13 @@
-/* The response of poles to a cubic input: for frontend.c and substeps.c, which say which poles a filter has. */
+/* The response of poles to a cubic input. The callers decide which poles a filter has. */
 #include "td_lowpass.h"
 
 #include <math.h>
 
 /* -- responses ------------------------------------------------------------------------------------------------------------- */
 
-/* Adds to S, whose coefficients are c. A pole of more than 1 per step: with X = weight x, X = P + amplitude e^(-lambda s),
- * where P + P' / lambda = weight L is solved from the highest power down, and divides by lambda alone. */
+/* Adds a pole's response X to S, whose coefficients are c; for poles of more than 1 per step. With X = weight x,
+ * X = P + amplitude e^(-lambda s). P + P' / lambda = weight L is solved from the highest power down, and divides by lambda
+ * alone. */
 static td_complex respond_fast(const td_pole *pole, td_complex offset, const double l[4], double many, double c[4]) {
     td_complex inverse = td_inverse(pole->rate), p3 = td_scaled(pole->weight, l[3]);
     td_complex p2 = td_minus(td_scaled(pole->weight, l[2]), td_scaled(td_times(p3, inverse), 3));
@@ -19,8 +20,8 @@ static td_complex respond_fast(const td_pole *pole, td_complex offset, const dou
     return amplitude;
 }
 
-/* A slow pole: X is its Taylor cubic, whose coefficients follow from X' = lambda (weight L - X) one by one, and a tail with the
- * fourth derivative, 24 of the next coefficient, in front: beyond it the equation has no input left. */
+/* For slow poles X is its Taylor cubic and a tail. The coefficients follow from X' = lambda (weight L - X) one by one. The tail
+ * has the fourth derivative, 24 times the next coefficient, as its factor: beyond it the equation has no input left. */
 static td_complex respond_slow(const td_pole *pole, td_complex offset, const double l[4], double many, double c[4]) {
     td_complex x = td_scaled(td_times(pole->rate, offset), -1);
     c[1] += many * x.re;
@@ -49,7 +50,7 @@ void td_poles_respond(const td_poles *poles, const td_model *input, td_response 
     response->cubic = (td_model){{c[0], c[0] + c[1] / 3, c[0] + (2 * c[1] + c[2]) / 3, c[0] + c[1] + c[2] + c[3]}};
 }
 
-/* td_poles_respond for one real pole: its operations without those on imaginary parts that are 0. */
+/* td_poles_respond for one real pole: the same operations without imaginary parts, which are 0. */
 void td_pole_respond(double rate, double S, const td_model *input, td_response *response) {
     const double *b = input->control;
     const double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2], offset = S - b[0];
@@ -83,8 +84,7 @@ td_poles td_poles_first_order(double rate, double S, double origin) {
     return poles;
 }
 
-/* The offset of a pole of the second-order filter is (S - origin) + slope / (the other pole), times its weight, which is
- * other / (other - this). */
+/* A pole of the second-order filter. Its offset is (S - origin) + slope / other, times its weight other / (other - rate). */
 static td_pole pole_beside(td_complex rate, td_complex other, double deviation, double slope, int pair) {
     td_complex weight = td_times(other, td_inverse(td_minus(other, rate)));
     td_complex x = td_scaled(td_inverse(other), slope);
@@ -95,7 +95,7 @@ static td_pole pole_beside(td_complex rate, td_complex other, double deviation, 
 td_poles td_poles_second_order(double sum, double product, double S, double slope, double origin) {
     td_poles poles = {.origin = origin, .start = S};
     double half = 0.5 * sum, discriminant = half * half - product, apart = 0.5 * TD_POLES_APART * half;
-    if (!(fabs(discriminant) >= apart * apart)) { /* the sum stays, so that the lag changes in second order only */
+    if (!(fabs(discriminant) >= apart * apart)) { /* the sum is kept, so that the lag changes in second order only */
         discriminant = discriminant < 0 ? -apart * apart : apart * apart;
         product = half * half - discriminant;
     }

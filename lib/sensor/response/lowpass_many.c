@@ -1,7 +1,7 @@
-/* The constant low-pass over the pixels of a tile, in loops that compilers vectorise.
+/* The constant low-pass over the pixels of a tile, in loops that vectorise.
  *
- * Operation for operation what td_poles_respond and td_response_value do with one real pole, at the step's end: the numbers are
- * theirs to the bit, so that it never shows which pixels had their response worked out. */
+ * The operations are those of td_poles_respond and td_response_value with one real pole at the step's end. So results are equal
+ * to the bit, and events don't depend on which pixels had their response computed. */
 #include "td_extremes.h"
 #include "td_frontend.h"
 #include "td_modes.h"
@@ -11,7 +11,7 @@
 /* The pole's numbers that all pixels of a step share. */
 typedef struct real_pole {
     double rate, inverse; /* lambda per step, and 1 / lambda */
-    double basis;         /* of the mode at s = 1 (td_mode): of cosine 1 */
+    double basis;         /* of the mode's cosine at s = 1 */
 } real_pole;
 
 /* S at the end of the step; b are the input's control values. */
@@ -27,8 +27,8 @@ static inline double respond(int slow, const real_pole *pole, const double b[4],
     return S - amplitude + p1 + p2 + l3 + amplitude * pole->basis;
 }
 
-/* S is an average of what it was and what comes in, and stays between them but for rounding, of the response that bounds are to
- * hold for too. */
+/* Rounding of S and of its response. S is an average of its old value and the input, and stays between them but for
+ * rounding. */
 static const double rounding = 64 * DBL_EPSILON;
 
 static inline void step(int slow, const real_pole *pole, size_t count, const double *const control[4], const double *restrict S,

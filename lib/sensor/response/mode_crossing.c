@@ -1,11 +1,11 @@
 /* Crossings of a cubic plus modes with a pair of levels.
  *
- * The step is worked through in parts so short that the modes are their Taylor polynomials to rounding: half a part is about
- * half a time constant of the fastest mode alive, more as it dies. The polynomial then tells what the part holds:
- *   - no level within its range: pass on;
- *   - the slope, or else the second derivative, keeps its sign: at most one extremum, which is found, and on the monotone
+ * The step is cut into parts so short that the modes are their Taylor polynomials to rounding. Half a part is about half a time
+ * constant of the fastest mode alive, and longer as it dies. The polynomial then decides:
+ *   - no level within its range: nothing in this part;
+ *   - the slope, or else the second derivative, keeps its sign: there is at most one extremum, which is found, and on monotone
  *     pieces a level is crossed if and only if the piece's end has reached it;
- *   - else the part is halved. That needs two extrema or an inflection next to an extremum, close to a level. */
+ *   - else the part is halved. That needs two extrema, or an inflection next to an extremum, close to a level. */
 #include "signal/td_root.h"
 #include "td_modes.h"
 #include "td_math.h"
@@ -15,13 +15,13 @@
 
 enum { DEGREE = 15 };
 
-/* The constants of a walk. */
+/* The constants of a search. */
 typedef struct search {
     const td_response *response;
     double reference, on, off;
     double tiny;  /* modes smaller than this are below rounding */
     double least; /* parts this short aren't halved */
-    long tries;   /* parts looked at; bounds the work */
+    long tries;   /* parts looked at so far: bounds the work */
 } search;
 
 /* S at centre + half v, v in [-1, 1]: the sum of term[k] v^k. */
@@ -52,7 +52,7 @@ static void add_decay(series *part, const td_mode *mode) {
     }
 }
 
-/* The k-th derivative of a tail is the (4 - k)-th, and beyond the fourth one e^(-lambda s) (-lambda)^(k - 4). */
+/* The k-th derivative of a tail is its (4 - k)-th order, and beyond the fourth e^(-lambda s) (-lambda)^(k - 4). */
 static void add_tail(series *part, const td_mode *mode) {
     td_complex rate = td_mode_rate(mode), size = {mode->cosine, mode->sine}, tail[5], derivative;
     double power = 1; /* half^k / k! */
@@ -67,7 +67,8 @@ static void add_tail(series *part, const td_mode *mode) {
 
 static double size_at(const td_mode *mode, double s) { return td_hypot(mode->cosine, mode->sine) * td_exp(-mode->rate * s); }
 
-/* Half the length of a part from s on in which a mode is its series: the first term left out stays below rounding. */
+/* Half the length of a part from s on in which the Taylor series of a mode is exact: the first term left out is below
+ * rounding. */
 static double half_of(const search *at, const td_mode *mode, double s) {
     const double factorial = 20922789888000.0; /* 16! */
     if (mode->tail) return INFINITY;
@@ -76,7 +77,7 @@ static double half_of(const search *at, const td_mode *mode, double s) {
     return td_pow(factorial * at->tiny / size, 1.0 / (DEGREE + 1)) / td_magnitude(td_mode_rate(mode));
 }
 
-/* The part from `begin` on, at most 2 * half long; modes that have died are left out. */
+/* The series of the part from `begin` on, at most 2 * half long; modes that have died are left out. */
 static void expand(const search *at, double begin, double half, double to, series *part) {
     double end = begin + 2 * half;
     if (!(end > begin)) end = nextafter(begin, 2);
@@ -134,7 +135,7 @@ static int polarity_of(const search *at, double value) {
     return residual >= at->on ? 1 : residual <= -at->off ? -1 : 0;
 }
 
-/* The crossing in (low, high], where S is monotone and has reached nothing at `low`. */
+/* The crossing in (low, high], where S is monotone and no level is reached at `low`. */
 static int cross_monotone(const search *at, const series *part, double low, double high, double *s) {
     int polarity = polarity_of(at, value_at(part, high));
     if (polarity == 0) return 0;
@@ -151,14 +152,15 @@ static int may_reach(const search *at, const series *part) {
     return part->term[0] + part->spread - at->reference >= at->on || part->term[0] - part->spread - at->reference <= -at->off;
 }
 
-/* 1 where the derivative keeps its sign by its first term alone: the slope's with `order` 1, the bend's with 2. */
+/* 1 where the derivative of this order keeps its sign, since its first term exceeds the others: the slope with `order` 1, the
+ * second derivative with 2. */
 static int keeps_sign(const series *part, int order) {
     double rest = 0;
     for (int k = order + 1; k <= DEGREE; k++) rest += (order == 1 ? k : k * (k - 1)) * fabs(part->term[k]);
     return order * fabs(part->term[order]) >= rest;
 }
 
-/* A part whose bend keeps its sign: two monotone pieces at most. */
+/* Searches a part whose second derivative keeps its sign: two monotone pieces at most. */
 static int cross_bent(const search *at, const series *part, double *s) {
     double begin = slope_at(part, -1), end = slope_at(part, 1);
     if (!((begin > 0 && end < 0) || (begin < 0 && end > 0))) return cross_monotone(at, part, -1, 1, s);
@@ -173,7 +175,7 @@ static int is_flat(const search *at, const series *part) {
     return part->spread <= 4 * DBL_EPSILON * fabs(part->term[0]) || part->half <= at->least;
 }
 
-/* 1: looked through, with what it holds in `polarity` and `s`. 0: it must be halved. */
+/* 1: the part is searched; its crossing is in `polarity` and `s`. 0: it must be halved. */
 static int look(const search *at, const series *part, int *polarity, double *s) {
     *polarity = polarity_of(at, value_at(part, -1));
     *s = part->begin;
@@ -187,14 +189,14 @@ static int look(const search *at, const series *part, int *polarity, double *s) 
     return 1;
 }
 
-/* The bounds on the work, out of any filter's reach: the circuit's slowest swing dies within 5000 parts (frontend.c checks),
- * and halving goes on for 45 generations around each of a few places. Beyond them the grain gets coarser. */
+/* Bounds the work beyond any filter's need. The circuit's slowest swing dies within 5000 parts, and halving takes 45
+ * generations around each of a few places. Beyond that many parts the least length grows. */
 static void bound_work(search *at) {
     enum { PATIENCE = 1 << 14 };
     if (++at->tries % PATIENCE == 0) at->least = fmax(at->least, 0x1p-20) * 16;
 }
 
-/* The largest number that S is a sum of. */
+/* The largest term of the sum S. */
 static double scale_of(const td_response *response) {
     double scale = 0;
     for (int i = 0; i < 4; i++) scale = fmax(scale, fabs(response->cubic.control[i]));
@@ -205,7 +207,7 @@ static double scale_of(const td_response *response) {
 int td_modes_crossing(const td_response *response, double reference, double threshold_on, double threshold_off, double from,
                       double to, double *s) {
     search at = {response, reference, threshold_on, threshold_off, 0x1p-60 * scale_of(response), 0x1p-45, 0};
-    double limit = INFINITY; /* on the next part's half, after halving */
+    double limit = INFINITY; /* limit of the next part's half, after halving */
     for (double begin = from;;) {
         double half = limit;
         for (int k = 0; k < response->modes; k++) half = fmin(half, half_of(&at, &response->mode[k], begin));

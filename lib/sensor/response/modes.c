@@ -1,4 +1,4 @@
-/* Modes of a response, one by one: values, slopes and bounds. For response.c, mode_crossing.c and substeps.c. */
+/* Modes of a response, one by one: values, slopes and bounds. */
 #include "td_modes.h"
 #include "td_extremes.h"
 #include "td_math.h"
@@ -35,7 +35,7 @@ void td_mode_tails(td_complex rate, double s, td_complex tail[5]) {
 
 static double real_part(const td_mode *mode, td_complex basis) { return mode->cosine * basis.re - mode->sine * basis.im; }
 
-/* tail[4] and tail[3] of a real rate, by the same operations. */
+/* tail[4] and tail[3] of a real rate: the complex operations without imaginary parts. */
 static double real_tail(double rate, double s) { return real_series(rate * -s) * (1.0 / 24) * (s * s * s * s); }
 
 static double real_tail_slope(double rate, double s) {
@@ -60,7 +60,7 @@ double td_mode_slope(const td_mode *mode, double s) {
     return real_part(mode, tail[3]);
 }
 
-/* A mode that doesn't swing is monotone; else it stays within its size, which a tail's is 1 / 24 of at most. */
+/* A mode that doesn't swing is monotone. Others stay within their size; a tail's is at most 1 / 24. */
 void td_mode_range(const td_mode *mode, double *low, double *high) {
     double begin = mode->tail ? 0 : mode->cosine, end;
     if (mode->frequency == 0) {
@@ -69,6 +69,6 @@ void td_mode_range(const td_mode *mode, double *low, double *high) {
         end = td_hypot(mode->cosine, mode->sine) / (mode->tail ? 24 : 1);
         begin = -end;
     }
-    *low = td_lesser(end, begin); /* the end may be NaN where the begin isn't */
+    *low = td_lesser(end, begin); /* the end may be NaN where the beginning isn't */
     *high = td_greater(end, begin);
 }

@@ -21,7 +21,7 @@ static double direct_slope(const td_response *response, double s) {
     return slope;
 }
 
-/* The substep that holds s. */
+/* Finds the substep that contains s. */
 static void find_substep(td_substeps *substeps, const td_response *response, double s) {
     int segment = response->source.segments - 1;
     while (segment > 0 && response->source.segment[segment].from > s) segment--;
@@ -63,7 +63,7 @@ void td_response_range(const td_response *response, double *low, double *high) {
         mode_low = td_lesser(response->source.segment[k].low, mode_low);
         mode_high = td_greater(response->source.segment[k].high, mode_high);
     }
-    for (int k = 0; k <= response->modes; k++) { /* the source's bounds, or 0 and 0, first */
+    for (int k = 0; k <= response->modes; k++) { /* first the source's bounds, or 0 and 0 */
         *low += mode_low;
         *high += mode_high;
         size += td_greater(fabs(mode_low), fabs(mode_high)); /* both are NaN, or neither */
@@ -84,7 +84,7 @@ static int is_finite(const td_response *response) {
     return finite;
 }
 
-/* A level, and the part of the step in which it is looked for. */
+/* A level, and the part of the step in which its crossing is searched. */
 typedef struct request {
     double reference, on, off, from, to;
 } request;
@@ -101,12 +101,12 @@ static int may_reach(const td_response *response, int segment, double until, con
     return high >= asked->on || low <= -asked->off;
 }
 
-/* The most that polish may move a crossing, as a share of the substep: it is for the last digits, and a longer Newton step says
- * that S is about to turn, where the crossing is better left as it was found. A choice. */
+/* Greatest correction by polish, as a share of the substep: it is for the last digits. A longer Newton step means that S is
+ * about to turn, and the crossing is left as it was found. A choice. */
 static const double most_polish = 1e-5;
 
-/* A crossing in the mapped time of a substep took what is added to its response as a cubic of that time; one Newton step with S
- * itself mends what that is off by, where S isn't about to turn. */
+/* The search in the mapped time of a substep takes the cubic that is added to the response as a cubic of that time, too. One
+ * Newton step with S itself corrects that error, unless S is about to turn. */
 static double polish(const td_response *response, const td_substeps *substeps, const request *asked, int polarity, double s) {
     if (!substeps->map.on || s <= asked->from) return s;
     double v = td_substeps_place(substeps, s), level = asked->reference + (polarity > 0 ? asked->on : -asked->off);

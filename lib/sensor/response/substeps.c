@@ -1,20 +1,21 @@
-/* Filters whose rates go with the light: the first-order filter S' = r (L - S), and the circuit's first stage
- * a2 y'' + a1 y' + y = L. Both have rates that are linear in J = light Y + dark.
+/* Filters whose rates go with the light: the first-order filter S' = r (L - S), and the circuit's first stage a2 y'' + a1
+ * y' + y = L. Their rates are linear in J = light Y + dark.
  *
- * The first-order filter is constant in a time v that goes as the integral of J (td_time_map.h), where L becomes the cubic
- * through its ends. The error is what that cubic misses of L, which no past of S enlarges: substeps are long.
+ * The first-order filter has a constant rate in a time v that is proportional to the integral of J. In v, L is replaced by the
+ * cubic through its ends. The error is the difference of L and that cubic, which the filter doesn't amplify, so that substeps
+ * are long.
  *
- * The circuit, and the first-order filter where Y is cut off at 0: with J frozen at J_m in the middle of a substep, and
- * e = J / J_m - 1, they are exactly
+ * For the circuit, and for the first-order filter where Y is cut off at 0, J is kept at its value J_m in a substep's middle.
+ * With e = J / J_m - 1 the equations are exactly
  *
- *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0
+ *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0.
  *
- * so that a substep is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3
- * and 1, found by repeated substitution: e is small and so is the lag. The cubic's error of g, seen between its nodes, is an
- * error of the input; a substep is cut shorter until it is within frontend->tolerance. Errors don't add up from substep to
- * substep: the response to an input error is bound by the largest one, times coth(pi z / (2 sqrt(1 - z^2))) for a swing of
- * damping z (3.5 for the defaults in full light) should the error swing along with it. It changes sign at four places of each
- * substep instead, and measured against integration S stays within half of TD_FRONTEND_TOLERANCE (property tests). */
+ * So a substep is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3 and
+ * 1, found by repeated substitution: e and the lag are small. The cubic's error, seen between these places, is an error of the
+ * input. A substep is shortened until it is within frontend->tolerance. Errors don't add up from substep to substep. The
+ * response to an input error is at most the largest one, times coth(pi z / (2 sqrt(1 - z^2))) for a swing of damping z (3.5 for
+ * the defaults in full light) if the error swung along with it. It changes sign at four places of each substep instead.
+ * Measured against integration, S is within half of TD_FRONTEND_TOLERANCE (property tests). */
 #include "td_substeps.h"
 #include "td_extremes.h"
 #include "td_light_step.h"
@@ -24,11 +25,11 @@
 
 #include <math.h>
 
-/* Sweeps of substitution in a substep, each better by the factor e; substeps tried in a step before any error is taken (steps
- * that an image makes need 1 to 10). */
+/* SWEEPS: substitutions in a substep, each better by the factor e. TRIED_MAX: substeps tried in a step before any error is
+ * accepted (images need 1 to 10). */
 enum { SWEEPS = 8, TRIED_MAX = 1 << 14, NODES = 4, BETWEEN = 3 };
 
-/* Share of the tolerance that the last sweep may still change. The rest is for the error of the cubic. */
+/* Share of the tolerance by which the last sweep may still change g. The rest is for the error of the cubic. */
 static const double settled = 0.25;
 
 static const double node[NODES + BETWEEN] = {0, 1.0 / 3, 2.0 / 3, 1, 1.0 / 6, 1.0 / 2, 5.0 / 6};
@@ -44,7 +45,7 @@ typedef struct attempt {
     double lead;                                                     /* k [s] */
     int is_still;                                                    /* J doesn't change */
     td_response stage;                                               /* y */
-    td_complex value[2][NODES + BETWEEN], slope[2][NODES + BETWEEN]; /* its modes at the nodes, but for their size */
+    td_complex value[2][NODES + BETWEEN], slope[2][NODES + BETWEEN]; /* its modes at the nodes, for size 1 */
 } attempt;
 
 static double light_at(const attempt *at, double u) {
@@ -52,7 +53,7 @@ static double light_at(const attempt *at, double u) {
     return at->frontend->light * fmax(Y, 0) + at->frontend->dark;
 }
 
-/* The photoreceptor: y of the circuit, or S of the first-order filter; y' is kept per second. */
+/* The poles of the photoreceptor: y of the circuit, or S of the first-order filter. y' is stored per second. */
 static td_poles photoreceptor(const attempt *at) {
     const td_frontend *f = at->frontend;
     double origin = at->input.control[0];
@@ -73,7 +74,7 @@ static void tabulate_tail(attempt *at, int mode, td_complex rate) {
     }
 }
 
-/* The nodes are sixths: one exponential will do. */
+/* Decays at the nodes, which are sixths of the substep: one exponential and its powers. */
 static void tabulate_decay(attempt *at, int mode, td_complex rate) {
     static const int sixths[NODES + BETWEEN] = {0, 2, 4, 6, 1, 3, 5};
     td_complex power[7] = {{1, 0}}, sixth = td_decay(rate, 1.0 / 6);
@@ -111,7 +112,7 @@ static td_model through(const double g[NODES]) {
         {g[0], (-5 * g[0] + 18 * g[1] - 9 * g[2] + 2 * g[3]) / 6, (2 * g[0] - 9 * g[1] + 18 * g[2] - 5 * g[3]) / 6, g[3]}};
 }
 
-/* NaN is the worst of all. */
+/* The greater of two errors; NaN is the greatest. */
 static double worse(double a, double b) { return b <= a || isnan(a) ? a : b; }
 
 /* Solves the photoreceptor; `input` becomes L + g. Returns the largest error of g. */
@@ -165,7 +166,7 @@ static int is_flat(const td_model *model) {
     return b[0] == b[1] && b[0] == b[2] && b[0] == b[3];
 }
 
-/* The substep from substeps->from to `to`, rates frozen; its error in g. */
+/* Solves the substep from substeps->from to `to` with constant rates. Returns the error of g. */
 static double solve_frozen(const td_substeps *substeps, const td_model *substep, double to, double state[TD_FRONTEND_STATE],
                            td_response *response) {
     const td_filter_input *source = substeps->source;
@@ -187,7 +188,7 @@ static double solve_frozen(const td_substeps *substeps, const td_model *substep,
     return error;
 }
 
-/* 1 where the step can be solved in the filter's own time: Y isn't cut off at 0. */
+/* 1 where a time exists in which the filter's rate is constant: Y isn't cut off at 0. */
 static int can_map(const td_filter_input *source, const td_model *input) {
     double least = INFINITY, most = -INFINITY;
     for (int i = 0; i < 4; i++) {
@@ -197,7 +198,8 @@ static int can_map(const td_filter_input *source, const td_model *input) {
     return source->frontend->kind == TD_FRONTEND_INTENSITY && least >= source->dark_L && most < TD_LIGHT_MOST;
 }
 
-/* Solves a substep in its own time: S within the error returned. Where the light rests, its own time is the step's. */
+/* Solves a substep in the time in which its rate is constant. Returns a bound on the error of S. Where the light rests, that
+ * time is the step's. */
 static double solve_mapped(const td_substeps *substeps, const td_model *input, double to, td_time_map *map,
                            double state[TD_FRONTEND_STATE], td_response *response) {
     const td_filter_input *source = substeps->source;

@@ -1,4 +1,4 @@
-/* Internal: complex numbers for rates of filters: plain products, without the care for infinities that <complex.h> takes. */
+/* Internal: complex numbers for rates of filters. Products are plain, without the handling of infinities in <complex.h>. */
 #ifndef TD_COMPLEX_H
 #define TD_COMPLEX_H
 

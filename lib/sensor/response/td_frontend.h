@@ -4,17 +4,17 @@
  *   first order, constant   S' = rate (L - S), rate = 2 pi cutoff
  *   first order, intensity  the same, rate = 2 pi cutoff (255 Y + 20) / 275, Y = max(e^L - log_eps, 0)
  *   high-pass               y = S - z, z' = 2 pi highpass_hz (S - z), behind the constant law or none, where S is L; then y
- *                           stands in S's place, and is 0 at rest
+ *                           is in S's place, and is 0 at rest
  *   circuit                 a2 y'' + a1 y' + y = L, with I = photocurrent_a Y + dark_current_a, tau_in = photodiode_f V_T / I,
  *                           tau_mil = miller_f V_T / I, A_loop = gain kappa:
  *                             a2 = (tau_in + tau_mil) output_s / (A_loop + 1)
  *                             a1 = (tau_in + output_s + (gain + 1) tau_mil) / (A_loop + 1)
  *                           then the low-passes of source_follower_hz and difference_hz: the chain of wengflow's simulator
  *
- * What rounding leaves. The constant law: S to about 1e-15. Rates that go with the light: S within TD_FRONTEND_TOLERANCE of
- * the solution, whatever the steps, and measured within a tenth of that (substeps.c). Where L comes from a float render it is
- * wrong by about 1e-6, and so is S, for a low-pass enlarges nothing (the circuit by its overshoot at most): a crossing is off
- * by 1e-6 / |S_dot|, which is 100 ns at 10 / s. Errors of L that differ from step to step are averaged over a time constant. */
+ * Accuracy. The constant law: S to about 1e-15. Rates that go with the light: S within TD_FRONTEND_TOLERANCE of the solution,
+ * whatever the steps, and measured within a tenth of that. L from a float render has an error of about 1e-6, and so has S,
+ * since a low-pass doesn't amplify it (the circuit by its overshoot at most). A crossing is then off by 1e-6 / |S_dot|, which
+ * is 100 ns at 10 / s. Errors of L that differ from step to step are averaged over a time constant. */
 #ifndef TD_FRONTEND_H
 #define TD_FRONTEND_H
 
@@ -23,7 +23,7 @@
 
 #include <stddef.h>
 
-/* [log units] */
+/* Greatest error of S where rates go with the light [log units]. */
 #define TD_FRONTEND_TOLERANCE 1e-8
 
 enum {
@@ -36,14 +36,14 @@ enum {
 
 typedef struct td_frontend {
     const tides_sensor *sensor;
-    int on;                         /* 0: the response is the cubic itself, and there is no state */
-    int kind;                       /* TD_FRONTEND_* */
-    double light, dark;             /* what rates go with is light Y + dark: of (255 Y + 20) / 275, or the photocurrent [A] */
-    double highpass;                /* of the high-pass [1/s] */
-    double rate;                    /* of the first-order filter, where that is 1 [1/s] */
-    double input_s, miller_s, loop; /* circuit: tau_in I and tau_mil I [A s]; A_loop + 1 */
+    int on;             /* 0: the response is the input itself, without state */
+    int kind;           /* TD_FRONTEND_* */
+    double light, dark; /* rates are proportional to light Y + dark: to (255 Y + 20) / 275, or to the photocurrent [A] */
+    double highpass;    /* of the high-pass [1/s] */
+    double rate;        /* of the first-order filter, where light Y + dark is 1 [1/s] */
+    double input_s, miller_s, loop;     /* circuit: tau_in I and tau_mil I [A s]; A_loop + 1 */
     double source_follower, difference; /* [1/s]; 0: left out */
-    double tolerance;                   /* of the input that a substep is solved for [log units] */
+    double tolerance;                   /* of the input's error in a substep [log units] */
 } td_frontend;
 
 /* The photocurrent in the middle of the light, Y = 0.5 [A]. */
@@ -51,25 +51,25 @@ static inline double td_middle_current(const tides_circuit *circuit) {
     return 0.5 * circuit->photocurrent_a + circuit->dark_current_a;
 }
 
-/* `sensor` must outlive it. Off where bandwidth is FIRST_ORDER and photoreceptor_cutoff_hz is 0. TIDES_BAD_ARGUMENT naming the
- * field. */
+/* Makes the front end of `sensor`, which must outlive it. Off where bandwidth is FIRST_ORDER and photoreceptor_cutoff_hz is 0.
+ * TIDES_BAD_ARGUMENT naming the field. */
 TIDES_MUST_CHECK tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend, tides_error *error);
 
-/* A pixel that has rested at log-luminance L for ever: its state, and the signal S. */
+/* Sets the state of a pixel that has rested at log-luminance L for ever. Returns its signal S. */
 double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, double state[TD_FRONTEND_STATE]);
 
-/* One step of h > 0 seconds with input `input` (log-luminance): `response` is the output S, `state` goes to the step's end,
- * and state[0] is td_response_value(response, 1), where rates go with the light to 1e-13. Cutting a step in two changes the
- * output by rounding only where rates stand still, and by TD_FRONTEND_TOLERANCE where they go with the light. An input that
- * isn't finite leaves the state as it was and makes the response NaN; a state that isn't finite starts afresh at rest at the
- * input's begin. The response may refer to `frontend`. */
+/* One step of h > 0 seconds with the input `input` (log-luminance). `response` is the output S, and `state` goes to the step's
+ * end. state[0] is td_response_value(response, 1), to 1e-13 where rates go with the light. Cutting a step in two changes the
+ * output by rounding with constant rates, and by TD_FRONTEND_TOLERANCE where they go with the light. An input that isn't finite
+ * leaves the state unchanged and makes the response NaN. A state that isn't finite is replaced by that of rest at the input's
+ * beginning. The response may refer to `frontend`. */
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_response *response);
 
-/* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their responses, in a loop that compilers vectorise. For pixel
- * i, control[k][i] are the input's control values, and S[i] is its state[0]. after[i] becomes the result of td_frontend_step,
- * to the bit. `low` and `high` get bounds of the response and its values, rounding included: pixels that could reach a level
- * need their response, from S[i]. For an input that isn't finite they are NaN. */
+/* Steps of many pixels without their responses, in a loop that vectorises; for TD_FRONTEND_CONSTANT only. For pixel i,
+ * control[k][i] are the input's control values, and S[i] its state[0]. after[i] becomes that of td_frontend_step, to the bit.
+ * `low` and `high` get bounds of the response, rounding included: pixels that could reach a level need td_frontend_step, from
+ * S[i]. For an input that isn't finite they are NaN. */
 void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
                            double *after, double *low, double *high);
 
@@ -79,13 +79,14 @@ void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, 
 void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                             const double *S, double *after, double *low, double *high);
 
-/* The pixels of td_frontend_step_light that are solved without substeps, their error proven; the others have NaN as bounds. */
+/* td_frontend_step_light for pixels that are solved without substeps, with a proven bound on the error. The others have NaN as
+ * bounds. */
 void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                     const double *S, double *after, double *low, double *high);
 
-/* TD_FRONTEND_CIRCUIT alone: of pixel i state[k][i] becomes after[k][i], each within a tenth of the error of the input that
- * td_frontend_step may leave, proven (circuit_many.c), and bounds of S on the step are in `low` and `high`. Pixels without an
- * answer have NaN there: they need td_frontend_step. A pixel's result depends on no other pixel. */
+/* For TD_FRONTEND_CIRCUIT only: state[k][i] of pixel i becomes after[k][i], within a tenth of the input's error that
+ * td_frontend_step may leave, proven. Bounds of S on the step are in `low` and `high`. Pixels without an answer have NaN there
+ * and need td_frontend_step. A pixel's result depends on no other pixel. */
 void td_circuit_step_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                           const double *const state[TD_FRONTEND_STATE], double *const after[TD_FRONTEND_STATE], double *low,
                           double *high);

@@ -1,9 +1,9 @@
-/* Internal: a first-order filter whose rate goes with the light, over one substep in a time of its own (td_time_map.h), in
- * straight lines of operations: for substeps.c, which takes one pixel, and light_many.c, whose loops over the pixels of a tile
- * vectorise. Both get the same bits.
+/* Internal: a first-order filter whose rate goes with the light, over one substep, in a time in which the rate is constant. It
+ * is straight-line code: substeps.c uses it for one pixel, and light_many.c in loops that vectorise. Both get the same bits.
  *
  * S' = r (L - S) with r = light (e^L - log_eps) + dark, which isn't cut off at 0 within the substep. In x = 2 u - 1 the rate is
- * the Taylor series of e^L about the substep's middle: E' = L' E. Its integral is the time v in which the rate stands still. */
+ * the Taylor series of e^L about the substep's middle: E' = L' E. The integral of the rate is the time v, in which S' = rate
+ * (L - S) with a constant rate. */
 #ifndef TD_LIGHT_STEP_H
 #define TD_LIGHT_STEP_H
 
@@ -15,17 +15,17 @@
 
 #include <math.h>
 
-enum { TD_LIGHT_TAIL = 13 }; /* of the tail, to 1e-13 for rates up to 1 */
+enum { TD_LIGHT_TAIL = 13 }; /* terms of the tail: exact to 1e-13 for rates up to 1 */
 
-#define TD_LIGHT_MOST 60.0 /* log-luminance: an HDR image ends far below e^60 */
+#define TD_LIGHT_MOST 60.0 /* greatest log-luminance: an HDR image is far below e^60 */
 
 /* The numbers of a rate that goes with the light. */
 typedef struct td_light_law {
-    double log_eps, light, dark; /* [1/s] where the filter's rate is one */
+    double log_eps, light, dark; /* [1/s] per unit of the filter's rate */
 } td_light_law;
 
-/* v's series, of which the integral of the rate over the substep, in x, is the whole: the mean rate is half of it. Returns that
- * mean; `*missing` is what the rate's series lacks, of its least value. */
+/* The series of v, from 0 to 1 over the substep. Returns the rate's mean; `*missing` is the error of the rate's series, over
+ * its least value. */
 TD_WITHIN double td_light_series(const double b[4], td_light_law law, double term[TD_TIME_MAP_TERMS], double *missing) {
     const double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
     const double slope = 0.375 * (d0 + 2 * d1 + d2), twice = 2 * (0.375 * (d2 - d0)), thrice = 3 * (0.125 * (d2 - 2 * d1 + d0));
@@ -74,7 +74,7 @@ TD_WITHIN void td_light_mapped(const double b[4], const double term[TD_TIME_MAP_
     mapped[3] = b[3];
 }
 
-/* S at the substep's end: what td_pole_respond's response is at 1, to 1e-13. */
+/* S at the substep's end: the value of td_pole_respond's response at 1, to 1e-13. */
 TD_WITHIN double td_light_end(double rate, double S, const double b[4]) {
     const double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2], offset = S - b[0];
     const double l1 = 3 * d0, l2 = 3 * (d1 - d0), l3 = d2 - 2 * d1 + d0;
@@ -85,15 +85,15 @@ TD_WITHIN double td_light_end(double rate, double S, const double b[4]) {
     return rate > 1 ? fast : slow;
 }
 
-/* The step solved in one piece. */
+/* The result of a substep. */
 typedef struct td_light_answer {
-    double rate;      /* of S in v */
-    double end;       /* S there */
-    double mapped[4]; /* L in v */
-    double error;     /* that S is off by at most, seen at the quarters; NaN: not to be had */
+    double rate;      /* of the filter in v */
+    double end;       /* S at the end */
+    double mapped[4]; /* control values of L in v */
+    double error;     /* bound on the error of S, seen at the quarters; NaN: not solved */
 } td_light_answer;
 
-/* `seconds` is the filter's rate where the law's is one, times the substep's length. */
+/* `seconds`: the substep's length, times the filter's rate where the law's is one. */
 TD_WITHIN td_light_answer td_light_step(const double b[4], double S, double seconds, td_light_law law,
                                         double term[TD_TIME_MAP_TERMS]) {
     td_light_answer answer;

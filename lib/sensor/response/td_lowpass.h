@@ -9,9 +9,9 @@
 #include "td_response.h"
 
 typedef struct td_pole {
-    td_complex rate;   /* lambda per step, real part > 0 */
-    td_complex weight; /* a pair's: the sum has twice its real part */
-    td_complex offset; /* weight (x - origin) at the start */
+    td_complex rate;   /* lambda per step; real part > 0 */
+    td_complex weight; /* of a pair: the sum has twice its real part */
+    td_complex offset; /* weight (x - origin) at the step's start */
     int pair;          /* 1: it stands for itself and its conjugate */
 } td_pole;
 
@@ -19,14 +19,13 @@ typedef struct td_pole {
 typedef struct td_poles {
     td_pole pole[TD_RESPONSE_MODES_MAX];
     int count;
-    double origin, start; /* what offsets are measured from; S at the start */
+    double origin, start; /* reference of the offsets; S at the start */
 } td_poles;
 
 /* The signal over the step. */
 void td_poles_respond(const td_poles *poles, const td_model *input, td_response *response);
 
-/* One pole with a real rate alone, whose origin is the input's begin: as td_poles_first_order and td_poles_respond, to the bit,
- * in less time. */
+/* One real pole, whose origin is the input's beginning. Results equal those of td_poles_respond to the bit, in less time. */
 void td_pole_respond(double rate, double S, const td_model *input, td_response *response);
 
 /* One pole alone: S' = rate (L - S). */
@@ -36,12 +35,12 @@ td_poles td_poles_first_order(double rate, double S, double origin);
  * `product`; S' = slope at the start. Poles closer than TD_POLES_APART are put that far apart about their mean. */
 td_poles td_poles_second_order(double sum, double product, double S, double slope, double origin);
 
-/* A low-pass of `rate` behind them: S' = rate (signal - S), S at the start. A rate closer to a pole than TD_POLES_APART is
+/* A low-pass of `rate` behind a filter: S' = rate (signal - S), S at the start. A rate closer to a pole than TD_POLES_APART is
  * moved by that much. */
 td_poles td_poles_then(const td_poles *signal, double rate, double S);
 
-/* Relative distance of poles below which the weights lose too much: moving one by a millionth moves S by a millionth of that
- * pole's lag, and leaves 10 digits of S where two meet. */
+/* Least relative distance of poles: closer ones have weights that cancel too much. Moving a pole by a millionth moves S by a
+ * millionth of that pole's lag, and S keeps 10 digits where two poles meet. */
 #define TD_POLES_APART 1e-6
 
 #endif

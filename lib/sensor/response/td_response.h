@@ -1,8 +1,8 @@
-/* Internal: one pixel's signal on one step as the comparator sees it, exactly as the front end gives it: a cubic in time plus
- * what filters leave of their past, decaying modes. Time within the step is s in [0, 1].
+/* Internal: one pixel's signal on one step as the comparator sees it, exactly as the front end gives it: a cubic in time, plus
+ * decaying modes, by which filters remember their past. Time within the step is s in [0, 1].
  *
- * Anything that is cubic in s (a leak's ramp) may be added to `cubic` before the response is used. A response that follows a
- * filter whose rates go with the light refers to its front end, which must outlive it, and works its substeps out anew in each
+ * Functions that are cubic in s (a leak's ramp) may be added to `cubic` before the response is used. The response of a filter
+ * whose rates go with the light refers to its front end, which must outlive it, and computes its substeps again in each
  * call. */
 #ifndef TD_RESPONSE_H
 #define TD_RESPONSE_H
@@ -23,33 +23,34 @@ typedef struct td_mode {
     int tail;
 } td_mode;
 
-/* Where a filter whose rates go with the light stands at a place of the step, and what bounds S from there to the next one. */
+/* The state of a filter whose rates go with the light at a place of the step, and bounds of S from there to the next such
+ * place. */
 typedef struct td_segment {
-    double from, length; /* of the first substep to try (td_substeps.h) */
+    double from, length; /* of the first substep to try */
     double state[TD_FRONTEND_STATE];
     double low, high;
     int tried;
 } td_segment;
 
-/* The response of such a filter: its input, and segments so that nobody need begin at the beginning. */
+/* The response of such a filter: its input, and segments, at which a walk along substeps can begin. */
 typedef struct td_filter_input {
-    const struct td_frontend *frontend; /* NULL: there is none, and the rest isn't set */
+    const struct td_frontend *frontend; /* NULL: there is none, and other members aren't set */
     td_model input;                     /* log-luminance */
-    double h, log_eps, dark_L;          /* of Y = 0: log(log_eps) */
+    double h, log_eps, dark_L;          /* dark_L: L of Y = 0, log(log_eps) */
     int segments;
     td_segment segment[TD_SEGMENTS_MAX];
 } td_filter_input;
 
-/* S(s) = cubic + modes + the response to `source`. A response that is zero but for `cubic` is that cubic. */
+/* S(s) = cubic + modes + the response to `source`. A response of zeros except `cubic` is that cubic. */
 typedef struct td_response {
     td_model cubic;
-    const td_pieces *pieces; /* NULL, or in place of the cubic, which is then between the ends alone; without modes or source */
-    int modes;               /* 0: the cubic is all */
+    const td_pieces *pieces; /* nullable; replace the cubic, which then only gives the ends; without modes and source */
+    int modes;               /* 0: only the cubic */
     td_mode mode[TD_RESPONSE_MODES_MAX];
     td_filter_input source;
 } td_response;
 
-/* The response that is this cubic; what it has no use for isn't set. */
+/* Makes the response that is this cubic; other members aren't set. */
 static inline void td_response_set(td_response *response, const td_model *cubic) {
     response->cubic = *cubic;
     response->pieces = NULL;

@@ -1,6 +1,6 @@
 /* Internal: the response of a filter whose rates go with the light, solved substep by substep. Each substep is solved with
- * constant rates, in one of two ways. Either the substep has a time of its own in which the rates are constant (td_time_map.h);
- * or the rates keep their value at its middle, and the input is corrected for their change (substeps.c). */
+ * constant rates, in one of two ways. Either a time is used in which the rates are constant; or the rates keep their value at
+ * the substep's middle, and the input is corrected for their change. */
 #ifndef TD_SUBSTEPS_H
 #define TD_SUBSTEPS_H
 
@@ -16,12 +16,12 @@
 /* The length of the next try, from the length and the error of the last one. It is chosen as step controllers of differential
  * equations do (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4).
  *
- * The error of a cubic goes with the fourth power of the length. The length is therefore multiplied by the fourth root of
+ * The error of a cubic grows with the fourth power of the length. The length is therefore multiplied by the fourth root of
  * tolerance / error, and by a margin of 0.8, with which the next try rarely fails. The factor is kept within [least, most]: an
  * error that is far from the tolerance says little of its order.
  *
- * All these numbers affect the count of tries, not the accuracy: a try whose error is above the tolerance is repeated with a
- * shorter length, until the tries run out or the length is lost in rounding (substeps.c). */
+ * These numbers affect the count of tries, not the accuracy: a try whose error is above the tolerance is repeated with a
+ * shorter length. That ends when the tries run out or the length is lost in rounding. */
 TD_WITHIN double td_substep_length(double length, double tolerance, double error, double least, double most) {
     const double factor = 0.8 * sqrt(sqrt(tolerance / error));
     return length * (factor < most ? td_greater(factor, least) : most); /* a factor of NaN becomes `most` */

@@ -1,11 +1,11 @@
-/* Internal: the series of a mode's part beyond s^3 (td_response.h), for modes one by one, and for loops over many pixels. */
+/* Internal: the series of a mode's part beyond s^3, for modes one by one, and for loops over many pixels. */
 #ifndef TD_TAIL_H
 #define TD_TAIL_H
 
 #include "td_wide.h"
 
-/* 24 phi_4 is the sum over k of term k times z^k, which is 24 / (k + 4)!. With all terms what is left out is below 1e-17 of the
- * sum for |z| <= 1; with fewer, up to the size that modes.c has beside their number. */
+/* 24 phi_4(z) is the sum over k of term k times z^k, where term k is 24 / (k + 4)!. With all terms the error is below 1e-17 of
+ * the sum for |z| <= 1. Fewer terms are enough for smaller |z|. */
 enum { TD_TAIL_TERMS = 17 };
 static const double td_tail_term[TD_TAIL_TERMS] = {1.0,
                                                    1.0 / 5,
@@ -25,8 +25,7 @@ static const double td_tail_term[TD_TAIL_TERMS] = {1.0,
                                                    1.0 / 5068545850368000,
                                                    1.0 / 101370917007360000};
 
-/* The series for a real z, as in all filters that don't swing. `terms` is an odd number; even and odd powers go side by
- * side. */
+/* The series for a real z, as in filters that don't swing. `terms` is odd; even and odd powers are summed side by side. */
 TD_WITHIN double td_tail_series(double z, int terms) {
     const double square = z * z;
     double even = td_tail_term[terms - 1], odd = 0;

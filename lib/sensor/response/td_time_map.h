@@ -1,6 +1,5 @@
-/* Internal: a time of its own for a substep in which a first-order filter's rate goes with the light: S' = r(t) (L - S) is
- * dS/dv = rate (L - S) with a constant rate where v goes as the integral of r. Only L as a function of v is no cubic any more.
- * */
+/* Internal: the time of a substep in which a first-order filter's rate is constant. S' = r(t) (L - S) is dS/dv = rate (L - S)
+ * where v is the integral of r over its total. L as a function of v is no longer a cubic. */
 #ifndef TD_TIME_MAP_H
 #define TD_TIME_MAP_H
 
@@ -18,7 +17,7 @@ double td_time_map_place(const td_time_map *map, double u); /* v at u */
 double td_time_map_time(const td_time_map *map, double v);  /* u at v */
 double td_time_map_speed(const td_time_map *map, double u); /* dv/du */
 
-/* A cubic of u as one of v: with the values and the slopes of both ends. */
+/* The cubic of v with the values and slopes at both ends of a cubic of u. */
 td_model td_time_map_model(const td_time_map *map, const td_model *model);
 
 #endif

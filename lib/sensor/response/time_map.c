@@ -1,4 +1,4 @@
-/* Time as the integral of a rate that goes with the light. */
+/* A substep's time as the integral of a filter's rate that goes with the light: the map, its inverse and its slope. */
 #include "td_time_map.h"
 #include "td_extremes.h"
 #include "td_light_step.h"
@@ -20,7 +20,7 @@ double td_time_map_speed(const td_time_map *map, double u) {
     return 2 * sum;
 }
 
-/* The place that a time is to be found for. */
+/* The place for which a time is sought. */
 typedef struct sought {
     const td_time_map *map;
     double v;

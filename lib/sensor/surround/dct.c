@@ -8,15 +8,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROWS = 4, COLUMNS = 32 }; /* of the product at a time: sums that stay in L1, a panel that stays in L2 */
+enum { ROWS = 4, COLUMNS = 32 }; /* block of the product: sums stay in L1, a panel in L2 */
 
 static const double pi = 3.14159265358979323846;
 
-/* So many of `size` modes are even (0), and odd (1): as many as there are sums and differences of pixels on both sides of the
- * middle, which of an odd size is a sum of its own. */
+/* Number of even (parity 0) or odd (1) modes among `size` modes. It equals the number of sums or differences of pixels on both
+ * sides of the middle; an odd size has a middle pixel, which counts as a sum. */
 static int modes_of(int size, int parity) { return (size + !parity) / 2; }
 
-/* `forward` from the n-th sum or difference to mode i of a parity: (modes x modes), row n; `back` is its transpose. */
+/* Fills the matrices of one parity: `forward` from the n-th sum or difference to mode i, (modes x modes), row n; `back` is its
+ * transpose. */
 static void fill(int size, int parity, double *forward, double *back, double *mu) {
     const int count = modes_of(size, parity);
     for (int i = 0; i < count; i++) {
@@ -24,7 +25,7 @@ static void fill(int size, int parity, double *forward, double *back, double *mu
         double scale = sqrt((k == 0 ? 1.0 : 2.0) / size);
         mu[i] = 2 - 2 * td_cos(pi * k / size);
         for (int n = 0; n < count; n++) {
-            /* The angle, reduced exactly: cos has period 4 size in (2 n + 1) k. */
+            /* The angle, reduced exactly: cos has the period 4 size in (2 n + 1) k. */
             int64_t turn = (int64_t)(2 * n + 1) * k % (4 * (int64_t)size);
             back[(size_t)i * count + n] = forward[(size_t)n * count + i] = scale * td_cos(pi * (double)turn / (2.0 * size));
         }
@@ -81,15 +82,14 @@ typedef struct matrix {
     size_t apart;
 } matrix;
 
-/* COLUMNS of b from `column` on, one row after the other; 0 beyond the last. */
+/* Copies COLUMNS columns of b, from `column` on, row by row; zeros beyond the last column. */
 static void pack(matrix b, int inner, int columns, int column, double *panel) {
     for (int k = 0; k < inner; k++)
         for (int j = 0; j < COLUMNS; j++)
             panel[k * COLUMNS + j] = column + j < columns ? b.at[(size_t)k * b.apart + column + j] : 0;
 }
 
-/* ROWS of a times so many rows of a panel, added to the sums, each in k's order. A long loop over columns vectorises as a
- * whole. */
+/* Adds ROWS of a times four rows of a panel to the sums, in order of rows. The one long loop over columns vectorises. */
 TD_WIDE static void add_four(const double *const a[ROWS], const double *restrict b, double (*restrict sum)[COLUMNS]) {
     const double *b0 = b, *b1 = b + COLUMNS, *b2 = b + 2 * COLUMNS, *b3 = b + 3 * COLUMNS;
     double *s0 = sum[0], *s1 = sum[1], *s2 = sum[2], *s3 = sum[3];
@@ -104,7 +104,7 @@ TD_WIDE static void add_four(const double *const a[ROWS], const double *restrict
     }
 }
 
-/* ROWS of a times a panel; rows may be the same. */
+/* Multiplies ROWS rows of a by a panel; some rows may coincide. */
 static void multiply_block(const double *const a[ROWS], const double *panel, int inner, double sum[ROWS][COLUMNS]) {
     int k = 0;
     memset(sum, 0, ROWS * sizeof *sum);
@@ -133,7 +133,7 @@ static void multiply(const td_dct *c, matrix a, matrix b, int rows, int inner, i
     }
 }
 
-/* Along x and along y, even modes and odd ones each by their matrix. */
+/* Multiplies along x by the matrix of each parity; transform_y does so along y. */
 static void transform_x(const td_dct *c, double *const by[2], const double *from, double *to) {
     const size_t w = (size_t)c->width;
     for (int parity = 0; parity < 2; parity++) {
@@ -153,8 +153,7 @@ static void transform_y(const td_dct *c, double *const by[2], const double *from
     }
 }
 
-/* Folds rows: sums of the two rows at equal distance from the middle, then their differences. fold_columns does so with
- * columns. */
+/* Folds rows: sums of the two rows at equal distance from the middle, then their differences. */
 static void fold_rows(const td_dct *c, const double *from, double *to) {
     const int h = c->height, w = c->width, sums = modes_of(h, 0);
     for (int n = 0; n < sums; n++) {

@@ -1,5 +1,5 @@
-/* The centre-surround, mode by mode, in substeps whose cubics are good enough: for the solver, which gives it all pixels at
- * once and the comparator what comes of them. */
+/* The centre-surround, mode by mode, in substeps whose cubics are accurate enough. The solver gives all pixels of a step at
+ * once, and the comparator gets the resulting substeps. */
 #include "td_surround.h"
 #include "td_exponential.h"
 #include "td_base.h"
@@ -12,11 +12,11 @@
 
 enum { MAX_DEPTH = 20 }; /* halvings of a step */
 
-/* Halves of substeps keep to whole nanoseconds: none is shorter than a few. */
+/* Shortest substep: halves must be told apart in whole nanoseconds. */
 static const double least_substep_s = 32e-9;
 
-/* Least time constant of the fastest mode, tau / (1 + 8 lambda^2). Rounding leaves 2e-16 of S divided by it in S_dot; a faster
- * surround is better taken as one without delay. */
+/* Least time constant of the fastest mode, tau / (1 + 8 lambda^2). S_dot has an error of 2e-16 of S over this time. A faster
+ * surround should have no delay at all. */
 static const double least_tau_s = 1e-12;
 static const double largest_lambda_px = 1000;
 
@@ -41,11 +41,11 @@ static const double series[] = {1.0 / 4,
                                 1.0 / 20274183401472000,
                                 1.0 / 405483668029440000};
 
-/* Terms of the series below: for z < 1 what is left out is below 1e-17 of it. */
+/* With so many terms the series below has an error below 1e-17 for z < 1. */
 enum { SERIES = 17 };
 
-/* integral[k] of e^(-z (1 - s)) s^k over [0, 1]: by recurrence upwards where z is large; else from the series
- * 3! sum (-z)^n / (n + 4)! of the last one downwards. Both lose no more than a factor of 6 of rounding. */
+/* integral[k] of e^(-z (1 - s)) s^k over [0, 1]: by recurrence upwards for a large z, else downwards from the series 3! sum
+ * (-z)^n / (n + 4)! of the last one. Rounding grows by a factor of 6 at most. */
 TD_WITHIN void weigh_powers(double z, double decay, double integral[4]) {
     const double by = 1 / z, up0 = (1 - decay) * by, up1 = (1 - up0) * by, up2 = (1 - 2 * up1) * by, up3 = (1 - 3 * up2) * by;
     const double small = td_lesser(z, 1);
@@ -77,7 +77,7 @@ static hermite hermite_of(double *const image[4], double length_s, size_t i) {
     return c;
 }
 
-/* d/dt of the same [1/s], at the ends to the bit what was given. */
+/* The cubic's rate [1/s]; at the ends exactly the given one. */
 static double slope_at(double *const image[4], double length_s, size_t i, double s) {
     if (!(s > 0)) return image[1][i];
     if (!(s < 1)) return image[3][i];
@@ -85,15 +85,15 @@ static double slope_at(double *const image[4], double length_s, size_t i, double
     return rate_at(&step, s) / length_s;
 }
 
-/* Numbers that the modes of a row share: the part from s0 to s1 of the step; gain = step / tau; rate = 1 + lambda^2 (mu_y +
- * mu_x). */
+/* Numbers that the modes of a row share, for the part from s0 to s1 of the step: gain = step / tau, rate = 1 + lambda^2
+ * (mu_y + mu_x). */
 typedef struct row {
     double s0, s1, gain, coupling, rate_y; /* rate_y = 1 + lambda^2 mu_y */
     double length_s;
     int count;
 } row;
 
-/* h of a row's modes from s0 to s1. */
+/* h of a row's modes at s1, from s0. */
 TD_WIDE static void advance_row(const row *given, const double *const p[4], const double *mu, const double *restrict from,
                                 double *restrict to) {
     const row r = *given;
@@ -111,7 +111,7 @@ TD_WIDE static void advance_row(const row *given, const double *const p[4], cons
     }
 }
 
-/* The square of what the cubic from s0 to s1 of each mode misses of h half way through, which is `half`. */
+/* Adds to square[i] the squared error of the cubic of mode i from s0 to s1, half way through, where h is `half`. */
 TD_WIDE static void miss_row(const row *given, const double *const p[4], const double *mu, const double *restrict from,
                              const double *restrict half, const double *restrict to, double *restrict square) {
     const row r = *given;
@@ -154,8 +154,8 @@ static void advance(const td_surround *s, const double *from, double s0, double 
     }
 }
 
-/* A bound of what the cubics from s0 to s1 miss of S half way through: the transform is orthonormal, so that no pixel is off by
- * more than all modes together. p is a cubic, of which they miss nothing; without a delay so is h. */
+/* A bound on the error of S half way between s0 and s1 by its cubics. The transform is orthonormal, so that no pixel's error
+ * exceeds that of all modes together. p is a cubic, without error; without a delay so is h. */
 static double miss_of_modes(const td_surround *s, double s0, double s1) {
     const int width = s->cosine.width;
     double sum = 0;
@@ -179,7 +179,7 @@ static double laplacian(const double *image, int width, int height, int x, int y
     return left + right + up + down - 4 * *at;
 }
 
-/* h_dot where h is the steady state of each moment. */
+/* Subtracts h_dot, where h is the steady state at each moment. */
 static void subtract_steady_rates(td_surround *s, double at, double *S_dot) {
     int width = s->cosine.width, height = s->cosine.height;
     for (int j = 0; j < height; j++)
@@ -191,7 +191,7 @@ static void subtract_steady_rates(td_surround *s, double at, double *S_dot) {
     for (size_t i = 0; i < (size_t)width * height; i++) S_dot[i] -= s->image[i];
 }
 
-/* S from p and the modes of h; S_dot from h's equation, but for tau = 0, where it is S of the rates. */
+/* S from p and the modes of h, and S_dot from h's equation; without a delay (tau = 0), S_dot from the rates of p. */
 static void sample_at(td_surround *s, const double *modes, double at, td_surround_sample *out) {
     int width = s->cosine.width, height = s->cosine.height;
     double coupling = s->lambda_px * s->lambda_px;
@@ -220,7 +220,7 @@ static void swap(double **a, double **b) {
 
 static size_t bytes_of(const td_surround *s) { return (size_t)s->cosine.width * (size_t)s->cosine.height * sizeof(double); }
 
-/* p and p_dot at the step's end (2) or begin (0), and their modes. */
+/* Sets p and p_dot at the step's end (first = 2) or beginning (0), and their modes. */
 static void take_input(td_surround *s, int first, const double *p, const double *p_dot) {
     memcpy(s->input[first], p, bytes_of(s));
     memcpy(s->input[first + 1], p_dot, bytes_of(s));
@@ -228,7 +228,7 @@ static void take_input(td_surround *s, int first, const double *p, const double 
     td_dct_forward(&s->cosine, p_dot, s->modes[first + 1]);
 }
 
-/* The input stands at p, of no step yet. */
+/* Sets the input to p before the first step. */
 static void stand(td_surround *s, const double *p, const double *p_dot) {
     take_input(s, 0, p, p_dot);
     for (int i = 0; i < 2; i++) {
@@ -276,7 +276,7 @@ void td_surround_begin(td_surround *s, double length_s, const double *from_dot, 
     if (jumped) sample_at(s, s->surround, 0, &s->end);
 }
 
-/* Error of a substep's cubic half way through, in the worst pixel. */
+/* Error of a substep's cubic half way through, of the worst pixel. */
 static double miss(const td_surround *s, double length_s) {
     double worst = 0;
     for (size_t i = 0; i < bytes_of(s) / sizeof(double); i++) {
@@ -294,14 +294,14 @@ static void swap_samples(td_surround_sample *a, td_surround_sample *b) {
     swap(&a->p_dot, &b->p_dot);
 }
 
-/* Share of the tolerance: the cubic of half a substep has a sixteenth of the whole one's error. */
+/* Share of the tolerance for a whole substep: the cubic of half a substep has a sixteenth of its error. */
 static const double of_halves = 1.0 / 16;
 
-/* The next substep that is short enough: samples at its begin and end, and half way through where *whole becomes 0. `surround`
- * stays at its begin. Returns its part of the step. */
+/* The next substep that is short enough: samples at its beginning and end, and half way through where *whole becomes 0.
+ * `surround` stays at its beginning. Returns the substep's part of the step. */
 static double make_substep(td_surround *s, int *whole) {
     double part = ldexp(1, -s->depth);
-    swap_samples(&s->begin, &s->end); /* where the last one ended */
+    swap_samples(&s->begin, &s->end); /* it begins where the last one ended */
     advance(s, s->surround, s->at, s->at + part, s->end_modes);
     sample_at(s, s->end_modes, s->at + part, &s->end);
     for (;;) {
@@ -318,7 +318,8 @@ static double make_substep(td_surround *s, int *whole) {
     }
 }
 
-/* On to the substep's end; the next one may be longer where it then is a whole part of the step. */
+/* Advances to the substep's end. The next substep may be twice as long, where its ends are then at whole multiples of its
+ * length. */
 static void pass_substep(td_surround *s, double part) {
     swap(&s->surround, &s->end_modes);
     s->at += part;
@@ -365,7 +366,7 @@ static tides_status check(const tides_sensor *sensor, double tolerance, tides_er
     return TIDES_OK;
 }
 
-/* Every image of it. */
+/* Number of images of the surround. */
 enum { IMAGES = 25 };
 static void list_images(td_surround *s, double **list[IMAGES]) {
     int count = 0;

@@ -1,6 +1,6 @@
-/* Events on the image itself: which pixels may do something, then what isn't settled is looked up in batches, until all is. For
- * settle.c. solve_run.c decides what a pixel needs, solve_nodes.c keeps the values found, and solve_batches.c has the
- * batches. */
+/* Events on the image itself, over the accepted steps of a macro step: finds the pixels that may do something, then looks up
+ * places in the image in batches until all are settled. solve_run.c decides what a pixel needs, solve_nodes.c keeps the values
+ * found, and solve_batches.c has the batches. */
 #include "td_extremes.h"
 #include "solver/td_probe.h"
 #include "signal/td_model_error.h"
@@ -9,11 +9,13 @@
 
 #include <stdlib.h>
 
-/* Points that are worth a launch: some 30 ms of a processor. With fewer, who is at work where changes so often that caches cost
- * what is gained (two cores, the demo: 2048 took 1.06 of the time of one batch, 8192 0.94, 16384 0.92, 32768 0.93). */
+/* Points in a full batch: some 30 ms of a processor. With smaller batches a core changes between host and device work so often
+ * that its caches are lost (two cores, the demo: 2048 took 1.06 of the time of one batch, 8192 0.94, 16384 0.92, 32768
+ * 0.93). */
 enum { ENOUGH = 1 << 14 };
 
-/* Times that are settled where no tolerance is set [s]: ten units of event times, above which nothing that follows is felt. */
+/* Accuracy of event times where no tolerance is set [s]: ten times the resolution of event times. A smaller error has no effect
+ * on later events. */
 static const double default_target_s = 1e-8;
 
 /* -- having it ------------------------------------------------------------------------------------------------------------ */
@@ -88,7 +90,7 @@ void td_solve_release(td_solve *solve) {
 
 /* -- before anything is looked up ----------------------------------------------------------------------------------------- */
 
-/* Fills a step's facts that all its pixels share. */
+/* Fills in the facts of a step that all its pixels share. */
 static tides_status lay_step(const tides_simulator *s, const td_refine_step *refined, td_solve_step *at, tides_error *error) {
     const td_refine *r = &s->refine;
     const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
@@ -102,7 +104,8 @@ static tides_status lay_step(const tides_simulator *s, const td_refine_step *ref
     return td_grid_step(&s->grid, at->from, at->to, &at->span, error);
 }
 
-/* Lists a pixel of a unit with its steps from `first` on, the `row`th, which is the first in which it may do something. */
+/* Lists a pixel of a unit with its steps from `first` on, in which it may do something first. `row` counts that step in the
+ * unit's list. */
 static tides_status list_pixel(const tides_simulator *s, td_solve_portion *solve, int32_t first, size_t row, int32_t i,
                                tides_error *error) {
     const td_refine *r = &s->refine;
@@ -128,8 +131,8 @@ static tides_status list_pixel(const tides_simulator *s, td_solve_portion *solve
     return status;
 }
 
-/* Which of a unit's pixels may do something in a step, its `row`th, and which have a level within reach; `doubt` is of their
- * references. */
+/* Finds the unit's pixels that may do something in a step, and those with a level within reach. `row` is the step's number in
+ * the unit's list; `doubt` the errors of the pixels' references. */
 static tides_status find_active(const tides_simulator *s, td_solve_portion *solve, int32_t step, size_t row,
                                 const double *doubt, uint8_t *active, tides_error *error) {
     const td_refine_step *refined = &s->refine.step[step];
@@ -149,7 +152,8 @@ static tides_status find_active(const tides_simulator *s, td_solve_portion *solv
     return TIDES_OK;
 }
 
-/* Runs the pixel that was listed last, and drops it where it is settled; one whose reference isn't known waits for that. */
+/* Runs the pixel that was listed last, and drops it if it is settled. A pixel whose reference isn't known waits for its
+ * reference. */
 static tides_status run_last(tides_simulator *s, td_portion *portion, tides_error *error) {
     const td_solve *solve = &s->solve;
     td_solve_batch *batch = portion->solve.asks;
@@ -163,7 +167,7 @@ static tides_status run_last(tides_simulator *s, td_portion *portion, tides_erro
     return status;
 }
 
-/* The pixels of a unit that may do something: each is listed, and run while what was read for it is at hand. */
+/* The pixels of a unit that may do something. Each is listed and run at once, while its data are in the cache. */
 static tides_status begin_unit(tides_simulator *s, td_portion *portion, int t, tides_error *error) {
     const td_refine *r = &s->refine;
     uint8_t active[TD_TILE_PIXELS] = {0}, before[TD_TILE_PIXELS];
@@ -181,7 +185,7 @@ static tides_status begin_unit(tides_simulator *s, td_portion *portion, int t, t
     }
     for (int32_t i = 0; i < s->layout.tile[t].count && status == TIDES_OK; i++) {
         if (!active[i]) continue;
-        /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): where it became active its step was kept */
+        /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): `first` was set where the pixel became active */
         status = list_pixel(s, &portion->solve, first[i], row[i], i, error);
         if (status == TIDES_OK) status = run_last(s, portion, error);
     }
@@ -198,7 +202,7 @@ static tides_status begin_some(tides_simulator *s, td_portion *portion, int firs
     return status;
 }
 
-/* Units between two looks at whether the batch is worth it: those of a tile at least; of so many tiles as make work for all. */
+/* Units between two checks whether the batch is full: whole tiles, and with several threads enough to share out. */
 enum { FEWEST_UNITS = 16, GROUP = 512 };
 
 static int group_end(const tides_simulator *s, int first) {
@@ -210,8 +214,8 @@ static int group_end(const tides_simulator *s, int first) {
     return end;
 }
 
-/* All units that are refined together; a batch goes when it is worth it, with all points of its tiles, which go down a list
- * together. */
+/* Begins all units that are refined together. A full batch is sent between two tiles, because points of one tile are computed
+ * faster together. */
 static tides_status begin_units(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     const td_refine *r = &s->refine;

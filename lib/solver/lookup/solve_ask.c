@@ -1,9 +1,8 @@
-/* Points that are to be looked up: asked for one by one, sent to the renderer batch by batch, and received. For the files that
- * find out what is needed (solve_rest.c, solve_run.c), and for solve_batches.c, which takes turns. */
+/* Points to be looked up: requested one by one, sent to the renderer in batches, and received. */
 #include "solver/td_simulator.h"
 
-/* Points of the first batch: the device has nothing to do till then. Each next one is twice as large: asking for a point takes
- * as long as a core of two takes to look it up, or half of that. */
+/* Points of the first batch, while the device has nothing to do. Each next batch is twice as large: requesting a point takes
+ * the host as long as looking it up takes a core of two, or half of that. */
 enum { FIRST = 1024 };
 
 tides_status td_solve_ask(td_solve_batch *batch, const td_tile *tile, int32_t local, double time, const td_asked *asked,
@@ -22,7 +21,7 @@ tides_status td_solve_ask(td_solve_batch *batch, const td_tile *tile, int32_t lo
 void td_solve_note_time(tides_simulator *s, double begun) {
     const double took = td_now() - begun;
     s->totals.here.time_look_up_s += took;
-    s->totals.here.time_compare_s -= took; /* which it is no part of */
+    s->totals.here.time_compare_s -= took; /* time of look-ups isn't counted as comparing */
 }
 
 tides_status td_solve_send(tides_simulator *s, td_solve_batch *batch, tides_error *error) {

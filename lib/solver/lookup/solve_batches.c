@@ -1,12 +1,12 @@
-/* Batches in turns: one is filled, the one before is with the device meanwhile, and of the one before that, which is back,
- * pixels are run, which may ask for more. For solve.c; what is asked for is solve_ask.c's.
+/* Batches in turns. One is being filled, the one before is with the device, and for the one before that the values are back:
+ * its pixels are run, and may request more points.
  *
- * Which points make a batch decides about nothing but time: pixels don't depend on one another, and all that a pixel asks
- * for at once is in one batch. */
+ * The choice of points for a batch affects only the time. Pixels don't depend on one another, and all points that a pixel
+ * requests at once are in one batch. */
 #include "solver/td_simulator.h"
 #include "td_wide.h"
 
-/* Steps of a macro step are too many for caches, and are asked for so many pixels ahead. */
+/* Steps of a macro step don't fit in caches, so they are prefetched so many pixels ahead. */
 enum { AHEAD = 6 };
 
 /* Fewest points and pixels that are worth a thread of their own. */
@@ -19,8 +19,8 @@ static void soon(const td_looked *looked) {
     TD_SOON((const char *)(looked + 1) - 1);
 }
 
-/* Puts a value that was looked up at an end of its step in the sample's place. At the macro step's end the next macro step
- * begins with it. */
+/* Puts a value that was looked up at an end of a step in the sample's place. If it is the macro step's end, the next macro step
+ * begins with this value. */
 static void take_end(tides_simulator *s, const td_asked *asked, const td_point_value *value) {
     td_looked *looked = &s->done.solve.looked[asked->looked];
     const td_refine_step *step = &s->refine.step[looked->step];
@@ -37,8 +37,8 @@ static void take_end(tides_simulator *s, const td_asked *asked, const td_point_v
     sample[TD_PLANE_S_DOT * s->refine.samples.pixels] = value->L_dot;
 }
 
-/* The first point from number k on that isn't of the pixel's step before it: what was found of one makes a list, and all of it
- * is asked for together. */
+/* The first point, from number k on, that isn't of the same pixel and step as the point before it. All points of a pixel in a
+ * step make one list of nodes, and are handled by one thread. */
 static int whole(const td_solve_batch *back, int k) {
     while (k > 0 && (size_t)k < back->points && back->asked[k].looked == back->asked[k - 1].looked) k++;
     return k;
@@ -63,7 +63,7 @@ static tides_status take_some(tides_simulator *s, td_portion *portion, int first
     return TIDES_OK;
 }
 
-/* Turns all values into nodes. There is room for one node for each point, so that each point's place is known. */
+/* Turns all values into nodes. Node k of the new ones is point k's, so that threads needn't agree on places. */
 static tides_status take(tides_simulator *s, const td_solve_batch *back, tides_error *error) {
     td_solve *solve = &s->solve;
     const size_t count = solve->found_count + back->points;
@@ -73,7 +73,7 @@ static tides_status take(tides_simulator *s, const td_solve_batch *back, tides_e
     return td_share_out(s, (int)back->points, FEWEST_POINTS, take_some, back, error);
 }
 
-/* Pixels that are run. */
+/* The pixels to run. */
 typedef struct running {
     td_solving *pixel;
     int waited;
@@ -96,8 +96,8 @@ static tides_status run_some(tides_simulator *s, td_portion *portion, int first,
     return status;
 }
 
-/* Runs those pixels of a batch that waited for their references, or that didn't, and goes on with all that aren't settled: with
- * what they ask for they are of the batch that is filled, which may be the same. */
+/* Runs pixels of a batch: with `waited` those that waited for their references, else the others. All that aren't settled then
+ * move to the batch that is being filled, with the points that they request. The two batches may be the same. */
 static tides_status run_pixels(tides_simulator *s, td_solve_batch *from, int waited, tides_error *error) {
     td_solve_batch *asking = td_solve_asking(&s->solve);
     const size_t count = from->pixels;
@@ -115,7 +115,7 @@ tides_status td_solve_turn(tides_simulator *s, tides_error *error) {
     td_solve_batch *full = td_solve_asking(solve),
                    *back = &solve->batch[(solve->asking + TD_SOLVE_BATCHES - 1) % TD_SOLVE_BATCHES];
     tides_status status = td_solve_receive(s, error);
-    if (status == TIDES_OK && s->done.solve.refer.count > 0) { /* nothing is away now */
+    if (status == TIDES_OK && s->done.solve.refer.count > 0) { /* no batch is with the device now */
         status = td_solve_refer(s, error);
         if (status == TIDES_OK) status = run_pixels(s, full, 1, error);
     }

@@ -1,5 +1,5 @@
-/* Finds doubts: places where a pixel's model doesn't decide whether a level is reached. They are near turns, between them, at
- * kinks, and within swaps of depth. For solve_run.c, which has it looked at. */
+/* Finds doubts: places where a pixel's model doesn't decide whether a level is reached. They are near turns, between turns, at
+ * kinks, and within swaps of depth. */
 #include "td_extremes.h"
 #include "td_math.h"
 #include "solver/td_visit.h"
@@ -25,14 +25,14 @@ double td_left_at(const td_visit *v, int n, double s, double S) {
 /* Excess of an approach's doubt over the distance to the level. */
 static double excess_of(const td_visit *v, const td_approach *at) { return at->doubt + v->model.floor - at->left; }
 
-/* The polarity of the change behind n of them, if it is in piece k still, or 0. */
+/* The polarity of the change that follows the first n changes, if it lies within piece k, else 0. */
 static int next_polarity(const td_visit *v, int k, int n) {
     const td_change *next = &v->changes.change[n];
     return n < v->changes.count && next->s <= v->model.pieces.from[k + 1] ? next->polarity : 0;
 }
 
-/* The approach at u of piece k. A level that the model reaches next in the piece doesn't count: the time at which it does is
- * looked up. */
+/* The approach at u of piece k. If the model reaches a level later in the piece, that level doesn't count: the crossing itself
+ * is looked up. */
 static td_approach approach_at(const td_visit *v, int k, double u) {
     const td_sensor *sensor = &v->s->sensor;
     const td_pieces *pieces = &v->model.pieces;
@@ -70,9 +70,9 @@ static void take_worse(const td_visit *v, const td_approach *at, td_approach *wo
     if (excess_of(v, at) > excess_of(v, worst)) *worst = *at;
 }
 
-/* The worst of places between turns, for the signal may turn where the model doesn't. Errors of the step's ends don't count
- * there, since ends are looked up by themselves. Otherwise a signal that rests on a level would be found at the end and beside
- * it. */
+/* Visits eighths of a piece, since the signal may turn where the model doesn't, and keeps the worst. Errors of the step's ends
+ * don't count there, because ends are looked up by themselves. Otherwise a signal that rests on a level would be found twice,
+ * at the end and beside it. */
 static void look_between(const td_visit *v, int k, td_approach *worst) {
     enum { EIGHTHS = 8 };
     const td_pieces *pieces = &v->model.pieces;
@@ -88,7 +88,8 @@ static void look_between(const td_visit *v, int k, td_approach *worst) {
     }
 }
 
-/* Distance of S from the levels behind its last change, or from the level of that change, where the change is in the piece. */
+/* Distance of S from the levels after its last change. If that change is within the piece, also the distance from the level
+ * where it happened. */
 static double left_beside(const td_visit *v, int k, double u) {
     const td_pieces *pieces = &v->model.pieces;
     const double s = pieces->from[k] + u * (pieces->from[k + 1] - pieces->from[k]), S = td_model_value(&pieces->model[k], u);
@@ -98,18 +99,19 @@ static double left_beside(const td_visit *v, int k, double u) {
     return is_behind && left < INFINITY ? td_lesser(left, fabs(S - td_reference_after(v, n))) : left;
 }
 
-/* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may
- * have turned before the level. A cubic over a kink makes such turns, whose crossings are sharp, and elsewhere. */
+/* How far the turn at s lies beyond the level that the signal crossed last in piece k. If the model's error is larger, the
+ * signal may have turned before that level. Cubics over a kink have such turns, and their crossings seem sharp but are
+ * misplaced. */
 static double beyond_at(const td_visit *v, int k, double s) {
     const td_pieces *pieces = &v->model.pieces;
     const int n = td_changes_until(v, s);
     if (n == 0 || v->changes.change[n - 1].polarity == 0 || v->changes.change[n - 1].s < pieces->from[k]) return INFINITY;
     const double residual = td_model_value(&pieces->model[k], td_pieces_place(pieces, k, s)) - td_reference_after(v, n);
     const double beyond = residual * v->changes.change[n - 1].polarity, known = td_greater(v->model.start, v->model.end);
-    return beyond > known + v->model.floor ? beyond : INFINITY; /* what rests on a level to the last bit is on either side */
+    return beyond > known + v->model.floor ? beyond : INFINITY; /* rounding puts a signal at rest on either side */
 }
 
-/* Looks at a kink beside which the signal is straight: it is where the tangents at the piece's ends meet. */
+/* Looks at a kink between two straight parts of the signal: it is where the tangents at the piece's ends meet. */
 static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
     const td_pieces *pieces = &v->model.pieces;
     const double *b = pieces->model[k].control, first = 3 * (b[1] - b[0]), last = 3 * (b[3] - b[2]);
@@ -124,13 +126,13 @@ static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
     take_worse(v, &at, worst);
 }
 
-/* A piece shorter than this share of a swap's `wide` shows the swap. Where a swap lasts `wide` to either side, the signal makes
- * a step within a quarter of that. */
+/* A swap is seen where pieces within it are shorter than this share of its half-width `wide`: the signal changes within a
+ * quarter of `wide`. */
 static const double shows_swap = 0.5;
 
 /* 1 where the pixel has been looked at in both halves of a swap. */
 static int is_swap_seen(const td_visit *v, const td_swap_place *swap) {
-    int before = swap->s <= 0.5 * swap->wide, after = swap->s >= 1 - 0.5 * swap->wide; /* the step's ends show it */
+    int before = swap->s <= 0.5 * swap->wide, after = swap->s >= 1 - 0.5 * swap->wide; /* step ends within the swap show it */
     for (int i = 0; i < v->nodes; i++) {
         const double off = v->node[i].s - swap->s;
         if (fabs(off) > swap->wide) continue;

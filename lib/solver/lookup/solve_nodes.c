@@ -1,5 +1,4 @@
-/* The nodes that have been looked up for a pixel in a step, and the trust in the cubics through them. For solve.c and
- * solve_run.c. */
+/* The nodes that have been looked up for a pixel in a step, and how far the cubics through them are trusted. */
 #include "solver/td_probe.h"
 #include "solver/td_simulator.h"
 #include "signal/td_model_error.h"
@@ -7,7 +6,7 @@
 
 #include <math.h>
 
-/* The error's share of that in the middle. */
+/* The error at u, as a share of the error in the middle. */
 static double shape_of(int is_smooth, double u) {
     const double bow = 4 * u * (1 - u);
     return is_smooth ? bow * bow : bow;
@@ -22,9 +21,9 @@ double td_trusted_error(const td_trusted *model, int k, double u) {
     return error;
 }
 
-/* Factor of the doubt after a look. A look estimates the errors of both parts from one value and one rate; a bend that no look
- * has met may be so many times that. A choice (tests/property/test_lost.c): of 1.4 million events of the scenes of tides bench
- * accuracy 2 were lost with it, 4 with 1, and 1 with 4. */
+/* Factor of the doubt after a look. A look estimates the errors of both parts from one value and one rate. A bend that no look
+ * has met may be this factor larger. A choice (tests/property/test_lost.c): with 1, 2 and 4, of 1.4 million events of the
+ * scenes of `tides bench accuracy` 4, 2 and 1 were lost. */
 static const double after_a_look = 2;
 
 double td_trusted_doubt(const td_trusted *model, int k, double u) {
@@ -66,12 +65,13 @@ void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refine
 
 /* -- what a node says of the piece that it divides ------------------------------------------------------------------------ */
 
-/* Below this share of the error in the middle a residual says little of it: it is that of places beside a node. A choice. */
+/* A residual at a place where the error is below this share of that in the middle says little: the place is beside a node. A
+ * choice. */
 static const double says_enough = 0.25;
 
-/* Factor for signals that are only nearly smooth. In a smooth piece a part of length `share` keeps the fourth power of that of
- * the error. In a piece with a kink, which may be in the part, it keeps `share`. With a factor of 1 the reported p95 was too
- * small in 1 of 15 scenes (tests/property/test_solved.c). */
+/* Factor for signals that are only nearly smooth. In a smooth piece, a part of length `share` keeps share^4 of the error. In a
+ * piece with a kink, which may be in this part, it keeps `share`. With a factor of 1 the reported p95 was too small in 1 of 15
+ * scenes (tests/property/test_solved.c). */
 static const double smooth_margin = 2;
 
 static double left_in(const td_trust *whole, double share) {
@@ -80,13 +80,13 @@ static double left_in(const td_trust *whole, double share) {
     return whole->error * left;
 }
 
-/* Each look halves what may be unseen, beside the share that a part has of it. A choice: in the worlds of
- * tests/property/test_lost.c (600 of them, 3.7 million events) 42 pixels have another number of events where one look is taken
- * for all, 26 with this, and 23 where looks halve nothing; for 0.4 and 5 % more looks. */
+/* A part of length `share` keeps that share of the unseen error, and each look halves it. A choice. In 600 worlds of
+ * tests/property/test_lost.c (3.7 million events) 26 pixels get a wrong number of events. If one look ended the search, 42
+ * would; without halving, 23. This takes 0.4 % more looks than the former, and the latter 5 % more. */
 static double unseen_in(const td_trust *whole, double share) { return 0.5 * share * whole->unseen; }
 
-/* Residuals of value and of rate (per piece) at u: an error as E 16 u^2 (1 - u)^2 has a rate of 2 (1 - 2 u) / (u (1 - u))
- * times its value. One that hasn't, or not nearly, is no smooth signal's. */
+/* 1 where residuals of value and rate (per piece) at u fit a smooth signal: an error E 16 u^2 (1 - u)^2 has a rate of 2 (1 - 2
+ * u) / (u (1 - u)) times its value. */
 static int is_quartic(double u, double value, double rate) {
     const double scale = value / (u * (1 - u));
     return fabs(rate - 2 * (1 - 2 * u) * scale) <= fabs(scale);
@@ -106,7 +106,7 @@ static td_trust learnt(const td_trust *before, double u, double value, double ra
 
 /* -- nodes ---------------------------------------------------------------------------------------------------------------- */
 
-/* The neighbours of s: -1 where that is an end of the step. */
+/* The nodes before and after s: -1 for an end of the step. */
 static void neighbours(const td_solve *solve, const td_looked *looked, double s, int32_t *before, int32_t *after) {
     *before = -1;
     *after = looked->first;

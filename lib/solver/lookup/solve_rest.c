@@ -1,9 +1,9 @@
-/* Pixels before anything moved, for solve.c: their references, and ramps that meet their levels at rest. */
+/* Pixels before anything has moved: their references, and ramps (leak) that meet levels while the image is at rest. */
 #include "solver/td_simulator.h"
 
 /* -- references ------------------------------------------------------------------------------------------------------------ */
 
-/* 1 in the first macro step, which begins at the run's start: its own interval will do. */
+/* 1 in the first macro step: it begins at the run's start, so that its own interval holds the references' time. */
 static int begins(const tides_simulator *s) { return s->step == 0; }
 
 tides_status td_solve_keep_start(tides_simulator *s, tides_error *error) {
@@ -15,8 +15,9 @@ tides_status td_solve_keep_start(tides_simulator *s, tides_error *error) {
     return status;
 }
 
-/* A reference that was sampled is off by as much as any sample, and by rounding where the image is steep: four times what 99 %
- * of samples stay below (timing.c), for a pixel that is taken to rest here loses its event, and one that isn't costs a look. */
+/* Bound on the error of a sampled reference: that of any sample, and rounding where the image is steep. It is four times the
+ * value that 99 % of samples stay below. A pixel that is wrongly taken to rest here loses its event, and a pixel that is
+ * wrongly taken to act only costs a look. */
 void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
     enum { ROUNDINGS = 4 };
     const td_tile *tile = &s->layout.tile[t];
@@ -65,7 +66,7 @@ tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
 
 /* -- ramps ---------------------------------------------------------------------------------------------------------------- */
 
-/* A pixel at rest is listed as what asks, without steps; `k`th points are the `k`th pixels'. */
+/* Lists a pixel at rest, without steps, and requests its value. Point k of the batch is then pixel k's. */
 static tides_status ask_at_rest(tides_simulator *s, int t, int32_t local, double start, tides_error *error) {
     td_solve_batch *batch = td_solve_asking(&s->solve);
     const td_asked asked = {-1, local, 0};
@@ -76,8 +77,8 @@ static tides_status ask_at_rest(tides_simulator *s, int t, int32_t local, double
     return status;
 }
 
-/* Asks for the pixels of a tile in which nothing moves that may do something in the step: their places in the sample, too, and
- * their references where they aren't known. */
+/* Requests the values of pixels of a tile in which nothing moves, if they may do something in the step, and their references
+ * where these aren't known. */
 static tides_status ask_still(tides_simulator *s, int t, const td_step *span, double start, tides_error *error) {
     static const double no_rate[TD_TILE_PIXELS] = {0};
     const td_tile *tile = &s->layout.tile[t];
@@ -104,7 +105,7 @@ tides_status td_solve_still(tides_simulator *s, const td_step *span, double star
     tides_status status = TIDES_OK;
     if (!solve->on || !s->sensor.active_at_rest) return TIDES_OK;
     td_solve_clear_batches(s);
-    for (int t = 0, moved = 0; t < s->layout.tiles && status == TIDES_OK; t++) { /* both lists ascend */
+    for (int t = 0, moved = 0; t < s->layout.tiles && status == TIDES_OK; t++) { /* both lists are in ascending order */
         const int moves = moved < s->moving.count && s->moving.list[moved] == t;
         moved += moves;
         if (!moves) status = ask_still(s, t, span, start, error);

@@ -1,5 +1,5 @@
-/* One pixel through the steps of a macro step, as far as it is settled: what its comparator does, which of the places are good
- * enough, and which are to be looked up. For solve.c, which looks them up. */
+/* Takes one pixel through the steps of a macro step, as far as it is settled: runs its comparator, decides which places are
+ * known well enough, and requests look-ups at the others. */
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
 #include "td_hash.h"
@@ -8,16 +8,16 @@
 
 #include <math.h>
 
-/* Rounds of looking up that a pixel may take in a step: each squares what is left of a smooth signal's error, and halves what a
- * kink may be in. A pixel that isn't settled then is reported as it stands. */
+/* Rounds of look-ups that a pixel may take in a step. Each squares the remaining error of a smooth signal, and halves the range
+ * in which a kink may be. A pixel that isn't settled then is reported as it stands. */
 enum { MOST_LOOKS = 10, FIND_BY_PLACE = 2 };
 
-/* References that are taken from the signal: so good that no event which follows feels it [thresholds]. */
+/* Accuracy of references that are taken from the signal [thresholds]: a smaller error has no effect on later events. */
 static const double enough_of_threshold = 1e-7;
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
-/* The pixel's state as one number. An ideal pixel's counts are enough: the rest follows from them. */
+/* The pixel's state as one number. For an ideal pixel it is made of the event counts, from which the rest follows. */
 static uint64_t state_of(const td_visit *v) {
     return v->state.words <= 2 ? v->state.word[0] : td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof(uint64_t));
 }
@@ -87,7 +87,7 @@ static void weigh(td_visit *v) {
     }
 }
 
-/* 1 where change n is as good as asked for. */
+/* 1 where change n is as accurate as required. */
 static int is_good(const td_visit *v, int n) {
     int touches;
     const td_change *change = &v->changes.change[n];
@@ -97,27 +97,28 @@ static int is_good(const td_visit *v, int n) {
     return td_timing_reach(at->slope, at->bend, at->error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
 }
 
-/* How far the signal is from its levels at s, an end of the step, and from its reference; a held one has none. Changes at the
- * very start follow from that. */
+/* Distance of the signal from its levels at s, an end of the step; infinite for a pixel in a hold. *residual is its distance
+ * from the reference. Changes at the very start happen after that. */
 static double left_at(const td_visit *v, double s, double *residual) {
     const td_pieces *pieces = &v->model.pieces;
-    const double at = s > 0 ? s : -1; /* before what it does there */
+    const double at = s > 0 ? s : -1; /* before changes at the start */
     const int n = td_changes_until(v, at);
     const double S = s > 0 ? pieces->model[pieces->count - 1].control[3] : pieces->model[0].control[0];
     *residual = S - td_reference_after(v, n);
     return td_left_at(v, n, at, S);
 }
 
-/* Does an error of so much decide whether the signal is beyond a level there? At the step's end it may have got there just
- * before. */
+/* 1 where an error decides whether the signal at s is beyond a level. At the step's end, also where it may have reached the
+ * level just before. */
 static int is_in_doubt(const td_visit *v, double s, double error) {
     double residual;
     return left_at(v, s, &residual) <= error || (s > 0 && v->changes.count > 0 && fabs(residual) <= error);
 }
 
-/* Asks for the ends of the step where samples are too near a level. A pixel that is run ahead may ask in vain, and samples
- * would depend on how far it is run. A macro step begins with what the one before it ended with, be it a sample or not: its own
- * record paths begin elsewhere by what paths may be off by, and the pixel might be found beyond a level. */
+/* Requests look-ups at the ends of the step, where samples are too near a level. Only settled pixels do: a pixel that is run
+ * ahead may ask in vain, and samples would then depend on how far it was run. The start of a macro step isn't looked up, but
+ * keeps the value with which the macro step before it ended. The record paths of the two macro steps differ there by their
+ * errors, and the pixel might be found beyond a level. */
 static tides_status ask_ends(const td_visit *v, tides_error *error) {
     const int begins = v->s->refine.step[v->looked->step].from == 0;
     tides_status status = TIDES_OK;
@@ -127,8 +128,9 @@ static tides_status ask_ends(const td_visit *v, tides_error *error) {
     return status;
 }
 
-/* Asks for the place of change n, and, where looks at such places have not found it so far, for the middle of its piece: of a
- * cubic that an end bends down it finds a crossing a little further on each time, and that end is where it isn't right. */
+/* Requests the place of change n. If looks at such places haven't settled it, the middle of its piece is requested too. Where
+ * the value at an end is off, the cubic bends towards that end, and each look there finds the crossing only a little further
+ * on. */
 static tides_status ask_change(const td_visit *v, int n, tides_error *error) {
     const td_pieces *pieces = &v->model.pieces;
     const double at = v->changes.change[n].s;
@@ -139,7 +141,7 @@ static tides_status ask_change(const td_visit *v, int n, tides_error *error) {
     return fabs(middle - at) > TD_SOLVE_APART ? ask(v, middle, error) : status;
 }
 
-/* Asks for what swaps of depth may do; what can't be asked for any more is in doubt. */
+/* Requests places within swaps of depth. Where no more looks are allowed, they count as doubts. */
 static tides_status ask_swaps(const td_visit *v, int may_ask, int *doubts, tides_error *error) {
     double places[TD_NODES_MAX];
     const int count = td_find_swaps(v, places, TD_NODES_MAX);
@@ -152,7 +154,8 @@ static tides_status ask_swaps(const td_visit *v, int may_ask, int *doubts, tides
     return status;
 }
 
-/* Asks for what isn't good enough; `*asked` says whether there was any. Where levels stay in doubt, they are counted. */
+/* Requests look-ups at all places that aren't known well enough. `*asked` is 1 if there were any, `*doubts` the number of
+ * levels that stay in doubt. */
 static tides_status judge(td_visit *v, int *asked, int *doubts, tides_error *error) {
     enum { MOST_APPROACHES = 16 };
     td_approach near[MOST_APPROACHES];
@@ -195,8 +198,8 @@ static tides_status advance(td_visit *v, tides_error *error) {
     return td_sensor_advance(&v->s->sensor, &single, &v->portion->solve.ahead, error);
 }
 
-/* Lateness of an event that waited for its pixel to become visible [steps]; 0 for other events. Coverage decides when, and the
- * comparator takes coverage to be linear. The lateness is by how much coverage bows, from its rates at the ends. */
+/* Lateness of an event that waited for its pixel to become visible [steps]; 0 for other events. The comparator takes coverage
+ * to be linear in time. The lateness is the possible bow of coverage, from its rates at the ends. */
 static double waited(const td_visit *v, const td_change *change) {
     const td_coverage *at = &v->now->coverage, *rate = &v->now->alpha_dot;
     const int32_t i = v->pixel->local;
@@ -210,7 +213,7 @@ static double waited(const td_visit *v, const td_change *change) {
 
 static int ends_run(const td_visit *v) { return td_refine_ends_run(v->s, &v->s->refine.step[v->looked->step]); }
 
-/* The leak's ramp at s, which is part of the model. */
+/* The leak's ramp at s, a part of the model. */
 static double ramp_at(const td_visit *v, double s) {
     const td_sensor *sensor = &v->s->sensor;
     const td_step *span = &v->now->span;
@@ -218,7 +221,7 @@ static double ramp_at(const td_visit *v, double s) {
     return sensor->leak[v->at] * (td_sensor_time(sensor, span->start_ns, span->start_fraction) + s * span->length_ns);
 }
 
-/* Offers an event to the sample that is measured at the macro step's end. */
+/* Offers an event to the sample of events whose errors are measured at the macro step's end. */
 static tides_status sample(const td_visit *v, int n, double late, tides_error *error) {
     const td_tile *tile = &v->s->layout.tile[v->pixel->tile];
     const td_change *change = &v->changes.change[n];
@@ -261,7 +264,8 @@ static tides_status note_events(td_visit *v, int doubts, tides_error *error) {
     return status;
 }
 
-/* The pixel's next step; `*asked` where something in it is to be looked up, else it is settled if all before were. */
+/* Runs the pixel's next step. `*asked` is 1 if something in it must be looked up. Otherwise the step is settled, if all steps
+ * before it are. */
 static tides_status pass_step(td_visit *v, int *asked, tides_error *error) {
     int doubts = 0;
     *asked = 0;
@@ -277,7 +281,7 @@ static tides_status pass_step(td_visit *v, int *asked, tides_error *error) {
 }
 
 tides_status td_solve_run(tides_simulator *s, td_portion *portion, td_looked *looked, td_solving *pixel, tides_error *error) {
-    td_visit v; /* large: what a step has no use for isn't set */
+    td_visit v; /* large: only members that are used are set */
     td_kept_pixel settled = {.words = 0};
     int32_t unsettled = pixel->end;
     tides_status status = TIDES_OK;
@@ -294,7 +298,7 @@ tides_status td_solve_run(tides_simulator *s, td_portion *portion, td_looked *lo
             unsettled = k;
             settled = v.state;
         }
-        if (asked && s->sensor.on) break; /* what follows depends on when this was: it would be looked up in vain */
+        if (asked && s->sensor.on) break; /* later steps depend on when this event was */
     }
     pixel->next = unsettled;
     if (unsettled == pixel->end) return status;

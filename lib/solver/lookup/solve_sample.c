@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/* An event stands for so many as there are of it in the step. */
+/* Adds a measured event to the timing statistics. `stands_for`: events of the macro step per measured one. */
 static void note(tides_simulator *s, const td_sampled *one, double L, double stands_for) {
     const double error = td_timing_together(L - one->L, one->floor);
     if (one->late > 0)

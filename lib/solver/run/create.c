@@ -1,5 +1,4 @@
-/* Making, asking and freeing a simulator, for the public API: parameters checked, steps and tiles laid out, memory taken. The
- * run itself is run.c's, its statistics statistics.c's. */
+/* Creates and frees a simulator, for the public API: checks parameters, lays out steps and units, allocates memory. */
 #include "motion/td_motion.h"
 #include "solver/td_simulator.h"
 #include "td_struct.h"
@@ -7,9 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { BATCH_TILES = 1 << 14 }; /* (tile, step) samples per launch at most: 64 MB of planes */
+enum { BATCH_TILES = 1 << 14 }; /* 64 MB of planes */
 
-/* Steps of a run at most: past this, k step_s and its neighbours are no longer told apart in nanoseconds. */
+/* Steps of a run at most: beyond, k step_s and (k + 1) step_s are no longer apart in nanoseconds. */
 static const double most_steps = 1e12;
 
 void tides_stepping_defaults(tides_stepping *stepping) {
@@ -24,7 +23,7 @@ void tides_stepping_defaults(tides_stepping *stepping) {
                                             .memory_mb = 256,
                                             .solve = TIDES_SOLVE_AUTO,
                                             .unit = TIDES_UNIT_AUTO};
-    memcpy(stepping, &defaults, sizeof defaults); /* padding too, so that two of them are the same bytes */
+    memcpy(stepping, &defaults, sizeof defaults); /* padding too, so that parameters can be compared as bytes */
 }
 
 static tides_status check_arguments(const tides_stepping *stepping, double start, double stop, tides_error *error) {
@@ -69,7 +68,7 @@ static tides_status check_adaptive(const tides_stepping *stepping, tides_error *
     return TIDES_OK;
 }
 
-/* Fails where a path doesn't cover the run; one that is told as it goes only has to begin in time. */
+/* Fails where a path doesn't cover the run. An open path, which is extended during the run, must only begin in time. */
 static tides_status check_covers(const tides_trajectory *trajectory, const char *what, double start, double stop,
                                  tides_error *error) {
     double from, to;
@@ -120,7 +119,8 @@ static int unit_of(const tides_simulator *s, const tides_sensor *sensor, const t
     return s->solve.on ? TIDES_UNIT_BLOCK : TIDES_UNIT_TILE;
 }
 
-/* The tolerance where none is given: steps whose model decides when events are, and steps that only have to find them. */
+/* Default tolerances [thresholds]: where the steps' model gives event times, and where steps only have to find events that are
+ * looked up later. */
 static const double model_tolerance = 0.01, finding_tolerance = 0.1;
 
 static double tolerance_of(const tides_simulator *s, const tides_stepping *stepping) {
@@ -128,7 +128,7 @@ static double tolerance_of(const tides_simulator *s, const tides_stepping *stepp
     return s->solve.on ? finding_tolerance : model_tolerance;
 }
 
-/* Takes the parameters, once it is known whether events are looked up. */
+/* Sets the parameters, once it is known whether events are looked up. */
 static void take_parameters(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
     s->given.step_s = stepping->step_s;
     s->given.mode = stepping->mode;
@@ -145,7 +145,7 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     s->given.outputs = stepping->mode == TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     if (stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED)
         s->given.interpolates =
-            stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* looking up doesn't undo it */
+            stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* a given tolerance holds with look-ups too */
     s->stepping = *stepping;
     s->stepping.local = s->given.local;
     s->stepping.tolerance = s->given.tolerance;
@@ -154,7 +154,7 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     td_refine_bound(s);
 }
 
-/* Steps, tiles and arrays, for the renderer that is there. */
+/* Lays out steps and units and allocates arrays, for the renderer. */
 static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsics, tides_error *error) {
     td_renderer_set_epoch(s->renderer, s->epoch);
     s->done.timing.size = intrinsics->width > intrinsics->height ? intrinsics->width : intrinsics->height;
@@ -175,7 +175,8 @@ static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsi
     return status == TIDES_OK ? allocate(s, (size_t)s->layout.width * (size_t)s->layout.height, error) : status;
 }
 
-/* The backend builds what samples at step ends render, then what the controller's do; interpolation asks the first of them. */
+/* The backend builds the kernels for samples at step ends, then those for the controller's. Interpolation of moving rows needs
+ * the first. */
 static tides_status prepare(tides_simulator *s, const tides_sensor *sensor, tides_error *error) {
     tides_status status = td_renderer_prepare(s->renderer, td_fixed_outputs(s), error);
     if (status == TIDES_OK && s->given.interpolates > 0)
@@ -184,7 +185,7 @@ static tides_status prepare(tides_simulator *s, const tides_sensor *sensor, tide
     return status == TIDES_OK ? td_renderer_prepare(s->renderer, s->given.outputs, error) : status;
 }
 
-/* The caller's structs, as this version has them. */
+/* The caller's structs, converted to this version's. */
 typedef struct given {
     tides_image_params image;
     tides_sensor sensor;
@@ -235,7 +236,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
                                   &s->sensor, error);
     s->sensor.start_ns += s->grid.epoch_ns;
     if (status == TIDES_OK)
-        status = td_kick_make(sensor, s->epoch, &s->sensor.kick, error); /* its frames are on the run's clock */
+        status = td_kick_make(sensor, s->epoch, &s->sensor.kick, error); /* the frames' times count from the run's start */
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);
     if (status == TIDES_OK) status = td_solve_create(s, error);
     if (status == TIDES_OK) status = td_sharing_create(&s->sharing, tides_device_threads(device), error);

@@ -1,15 +1,15 @@
-/* Fixed steps: several are rendered in one launch, each tile that moves at each step's end, and taken from there one by one as
- * samples of the whole image. How many go to a launch changes the cost, never the events. Also the first sample of any run. For
- * run.c; steps that are refined render for themselves (refine.c). */
+/* Fixed steps: several are rendered in one launch, at each step's end every tile that moves, and are then taken one by one as
+ * samples of the whole image. How many steps a launch has changes the time, never the events. Also the first sample of any
+ * run. */
 #include "solver/td_simulator.h"
 
-/* A longer batch has wider swept boxes, so more candidates that miss their tile, each of which costs a projection: above the
- * first share of these the batch is halved, below the second it is doubled. Chosen, not measured: where half of the projections
- * are lost, halving the boxes' sweep is worth a launch more; and halving a batch takes the share down by a half at most, so
- * that with less than about that between the two a batch would be halved and doubled in turn. */
+/* A longer batch has wider swept boxes, so that more candidates miss their tile, and each costs a projection. Above the first
+ * share of such candidates the batch is halved, below the second it is doubled. Chosen, not measured. Where half of the
+ * projections are lost, tighter boxes are worth one more launch. Halving a batch at most halves the share, so that closer
+ * limits could make a batch alternate between two sizes. */
 static const double too_many_culled = 0.5, few_culled = 0.3;
 
-/* One rendered tile to its place in a sample. */
+/* Copies one rendered tile to its place in a sample. */
 static void store_tile(const tides_simulator *s, int t, const double *planes, const td_sample *sample) {
     size_t first = s->layout.first_pixel[t], bytes = (size_t)s->layout.tile[t].count * sizeof(double);
     td_unpack_tile(&s->layout.tile[t], planes, sample->plane[TD_PLANE_S] + first, sample->plane[TD_PLANE_S_DOT] + first);
@@ -30,7 +30,7 @@ tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) 
     return td_launch_render(s, 0, s->launch.count, TD_SIDE_ENDS, td_fixed_outputs(s), error);
 }
 
-/* The samples of one of the steps rendered, of some of the tiles that move. */
+/* A rendered step, and the tiles to be taken from it. */
 typedef struct taken {
     int step;
     const td_sample *sample;
@@ -55,7 +55,7 @@ tides_status td_fixed_take(tides_simulator *s, int k, const td_sample *sample, t
     return td_share_out(s, s->moving.count, FEWEST, take_some, &to, error);
 }
 
-/* Slopes of S without derivatives: what a renderer that knows none could do. */
+/* Replaces slopes of S by differences, as a renderer without derivatives would have them. */
 void td_difference_slopes(tides_simulator *s, double h) {
     for (size_t i = 0; i < s->layout.first_pixel[s->layout.tiles]; i++) {
         double slope = (s->next.plane[TD_PLANE_S][i] - s->now.plane[TD_PLANE_S][i]) / h;
@@ -64,7 +64,7 @@ void td_difference_slopes(tides_simulator *s, double h) {
     }
 }
 
-/* Number of the next `count` steps until a knot: only a batch may begin at one. */
+/* Number of steps, at most `count`, until the next knot: knots must be where batches begin. */
 static int steps_to_knot(const tides_simulator *s, int count) {
     for (int k = 1; k < count; k++)
         if (td_grid_is_knot(&s->grid, s->step + k)) return k;

@@ -1,10 +1,10 @@
-/* The readout in a run: after each step on the grid its events go through the arbiter, under the activity at the step's end.
- * For run.c; queues and the arbiter itself are lib/readout's, what a tile shows is measured here.
+/* The readout in a run. After each step on the grid its events go through the arbiter, with the activity at the step's end. The
+ * arbiter and its queues are in lib/readout; the activity of tiles is measured here.
  *
- * psi of a tile is the mean of three shares, each cut off at 1: its pixels' mean |L_dot| / C (C the mean of both nominal
- * thresholds) over 100 per second, their mean |alpha_dot| over 100 per second, and their mean number of contributors over 64.
- * 100 events a second and pixel are as busy as tiles of recordings come; 64 is where the risk score's norm ends too
- * (control.c). In a tile in which nothing moved in the step both rates are 0. */
+ * psi of a tile is the mean of three shares, each at most 1: the pixels' mean |L_dot| / C over 100 per second (C is the mean of
+ * both nominal thresholds), their mean |alpha_dot| over 100 per second, and their mean number of contributors over 64. 100
+ * events per second and pixel are as many as busy tiles of recordings have; 64 is also the norm of contributors in the risk
+ * score. In a tile in which nothing moved in the step both rates are 0. */
 #include "signal/td_event_sort.h"
 #include "solver/td_simulator.h"
 #include "td_struct.h"
@@ -16,7 +16,7 @@ static const double full_rate = 100, full_contributors = 64;
 
 /* -- attaching ------------------------------------------------------------------------------------------------------------- */
 
-/* From now on samples have diagnostics. */
+/* Makes samples have diagnostics from now on. */
 static tides_status keep_all(tides_simulator *s, tides_error *error) {
     size_t pixels = s->layout.first_pixel[s->layout.tiles];
     for (int p = TD_PLANES_SIGNAL; p < TD_PLANES_ALL; p++) {
@@ -37,7 +37,7 @@ static tides_status attach(tides_simulator *s, const tides_readout *params, tide
     if (status != TIDES_OK) return status;
     tides_arbiter_start(readout->arbiter, s->grid.epoch_ns);
     readout->params = *params;
-    if (!td_arbiter_has_ticks(readout->arbiter)) return TIDES_OK; /* and it asks for no activity */
+    if (!td_arbiter_has_ticks(readout->arbiter)) return TIDES_OK; /* nor does it use activity */
     tides_arbiter_tiles(readout->arbiter, &readout->across, &down);
     readout->psi = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->psi, error);
     readout->pixels = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->pixels, error);
@@ -109,7 +109,7 @@ static void add_tile(tides_simulator *s, int t, int moves) {
     }
 }
 
-/* readout->psi of the time reached; the tiles in s->moving.list moved on the way there. */
+/* Computes readout->psi at the time reached. s->moving.list has the tiles that moved in the step. */
 static void measure_activity(tides_simulator *s) {
     td_run_readout *readout = &s->readout;
     size_t tiles = (size_t)readout->arbiter->across * (size_t)readout->arbiter->down;
@@ -128,7 +128,7 @@ static void measure_activity(tides_simulator *s) {
 
 /* -- events -------------------------------------------------------------------------------------------------------------- */
 
-/* A tides_readout_sink: keeps what leaves for the packet. */
+/* A tides_readout_sink: keeps the events that leave the readout, for the packet. */
 static int take(void *user, const tides_event *events, const int64_t *fired, size_t count) {
     td_run_readout *readout = user;
     tides_status status = td_reserve((void **)&readout->events, &readout->events_capacity, readout->count + count,

@@ -1,4 +1,4 @@
-/* The run as a pipeline. Each time round, over one step of the grid (or several, where they are fixed):
+/* The run as a pipeline. Each pass, over one step of the grid (or several, where steps are fixed):
  *
  *   sweep      which tiles can change, and what each may see                  td_sweep (sweep.c; renderer)
  *   render     tiles at times: S and S_dot                                   td_fixed_render; td_refine_begin, td_refine_level
@@ -10,12 +10,12 @@
  *   read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
  *   emit       the events, sorted, through filters to the sink as a packet   emit
  *
- * A default run's event so gets its time in three jumps from here: td_settle (settle.c) has the accepted steps solved by
- * td_solve_steps (solve.c, in lookup), which runs each pixel that may do something through td_solve_run (solve_run.c): its
- * comparator on a model whose nodes are what was looked up there, until the time moves no more.
+ * In a default run an event gets its time in three calls: td_settle (settle.c) hands accepted steps to td_solve_steps (solve.c,
+ * in lookup), which runs each pixel that may do something through td_solve_run (solve_run.c). There the comparator runs on a
+ * model whose nodes are looked up, until the event's time no longer changes.
  *
- * Fixed steps skip what is between. Times count from the run's start; steps lie on the grid k step_s, joined by the knots of
- * motions (grid.c). Each stage has a file of its own; here are their order, and the handling of failures. */
+ * Fixed steps skip estimates and refinement. Times count from the run's start; steps lie on the grid k step_s, joined by the
+ * knots of motions (grid.c). Stages have files of their own; this one has their order, and the handling of failures. */
 #include "camera/td_trajectory.h"
 #include "signal/td_event_sort.h"
 #include "solver/td_reached.h"
@@ -42,7 +42,7 @@ static tides_status compare_some(tides_simulator *s, td_portion *portion, int fi
     return status;
 }
 
-/* The comparator over one step of every tile that moves, from now to next. */
+/* The comparator over one step of every tile that moves, from s->now to s->next. */
 static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     td_step step;
     double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
@@ -53,7 +53,7 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
 }
 
-/* Ends a step that was compared: the simulator has reached its end, and its events go through the readout. */
+/* Ends a compared step: the simulator has reached its end, and its events go through the readout. */
 static tides_status reach(tides_simulator *s, tides_error *error) {
     s->step++;
     s->totals.here.tile_steps_still += (uint64_t)(s->layout.image_tiles - s->moving.tiles);
@@ -63,7 +63,7 @@ static tides_status reach(tides_simulator *s, tides_error *error) {
 /* Sorts the events from number `first` on. */
 static tides_status sort_from(tides_simulator *s, size_t first, tides_error *error) {
     const size_t count = s->done.work.events.count - first;
-    if (count == 0) return TIDES_OK; /* and there may be no list yet */
+    if (count == 0) return TIDES_OK; /* there may be no list yet */
     tides_status status =
         td_renew((void **)&s->packet.scratch, &s->packet.scratch_capacity, count, sizeof *s->packet.scratch, error);
     if (status == TIDES_OK) td_event_sort(s->done.work.events.events + first, s->packet.scratch, count);
@@ -73,7 +73,7 @@ static tides_status sort_from(tides_simulator *s, size_t first, tides_error *err
 /* Gives the packet away. */
 static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
     const double begun = td_now();
-    const int left = s->readout.arbiter != NULL; /* or from the pixels */
+    const int left = s->readout.arbiter != NULL; /* 1: from the readout, 0: from the pixels */
     tides_event *events = left ? s->readout.events : s->done.work.events.events;
     size_t count = left ? s->readout.count : s->done.work.events.count;
     if (s->filters.filter) {
@@ -90,7 +90,7 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
 
 /* -- the two kinds of steps ------------------------------------------------------------------------------------------------ */
 
-/* Compares one of the rendered steps. No two steps share a nanosecond, so each is sorted while the caches have its events. That
+/* Compares one of the rendered steps, and sorts its events while they are in the cache: no two steps share a nanosecond. That
  * takes a fifth of the time of sorting all together. */
 static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error) {
     const double begun = td_now();
@@ -107,8 +107,8 @@ static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error)
     return status;
 }
 
-/* Events that wait for no more before they are given away: what a sink then reads is in the caches still, and a run of many
- * events needs no memory for all of a launch's. */
+/* A packet is handed over once it has so many events. The sink then reads events that are still in the cache, and memory
+ * doesn't grow with the events of a launch. */
 enum { PACKET_FULL = 1 << 14 };
 
 /* Fixed steps: at most `most`, rendered in one launch and compared one after the other. */
@@ -120,7 +120,7 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     tides_status status = td_sweep(s, td_grid_time(s, s->step), td_grid_time(s, s->step + steps), error);
     if (status == TIDES_OK) status = td_fixed_render(s, steps, error);
     if (status == TIDES_CANCELLED) td_renderer_put_counts(s->renderer, &counted);
-    if (status != TIDES_OK) return status; /* the pixels are as they were */
+    if (status != TIDES_OK) return status; /* the pixels haven't changed */
     tides_status emitted = TIDES_OK;
     for (int k = 0; k < steps && status == TIDES_OK && emitted == TIDES_OK; k++) {
         status = compare_fixed(s, k, error);
@@ -128,12 +128,12 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     }
     s->broken = status != TIDES_OK;
     td_fixed_adapt(s, &before);
-    if (emitted == TIDES_OK)
-        emitted = emit(s, sink, user, status == TIDES_OK ? error : NULL); /* of a failure what was before */
+    if (emitted == TIDES_OK) emitted = emit(s, sink, user, status == TIDES_OK ? error : NULL); /* the first error is reported */
     return status == TIDES_OK ? emitted : status;
 }
 
-/* The steps of the tiles refine.unit, until nothing asks for a shorter one; then all are compared that weren't. */
+/* Refines the steps of the units refine.unit until none asks for a shorter one. Then compares all that weren't compared on the
+ * way. */
 static tides_status refine_group(tides_simulator *s, double start, double stop, tides_error *error) {
     tides_status status = td_refine_begin(s, start, stop, error);
     while (status == TIDES_OK) {
@@ -147,7 +147,7 @@ static tides_status refine_group(tides_simulator *s, double start, double stop, 
     return status == TIDES_OK ? td_settle(s, start, stop, 0, error) : status;
 }
 
-/* All tiles that move in a macro step, as many together as there is memory for. Until the first is compared a failure leaves
+/* Refines all units that move in a macro step, as many at a time as memory allows. A failure before the first comparison leaves
  * the pixels as they were. */
 static tides_status refine(tides_simulator *s, double start, double stop, tides_error *error) {
     const int count = s->moving.count, most = td_window_units(s);
@@ -176,7 +176,7 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
 static tides_status measure(tides_simulator *s, tides_error *error) {
     const double begun = td_now();
     const tides_status status = td_solve_measure(s, error);
-    s->totals.here.time_compare_s += td_now() - begun; /* less what looking up took */
+    s->totals.here.time_compare_s += td_now() - begun; /* without the time of look-ups */
     s->broken |= status != TIDES_OK;
     return status;
 }
@@ -184,20 +184,20 @@ static tides_status measure(tides_simulator *s, tides_error *error) {
 /* The comparator over one macro step, refined tile by tile. */
 static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
-    s->done.solve.sampled_count = s->done.solve.fired = 0; /* of the step before, or of one that was stopped */
+    s->done.solve.sampled_count = s->done.solve.fired = 0; /* of the step before, or of a stopped one */
     s->done.solve.is_cut = 0;
     tides_status status = td_solve_keep_start(s, error);
     if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
     if (status == TIDES_OK && s->moving.count > 0) status = td_renderer_find_swaps(s->renderer, s->camera, error);
     if (status == TIDES_OK && s->moving.count > 0) status = refine(s, start, stop, error);
     if (status == TIDES_OK) status = measure(s, error);
-    if (status != TIDES_OK) return status; /* whether the pixels still agree on the time has been said */
+    if (status != TIDES_OK) return status; /* s->broken says whether the pixels agree on the time */
     status = compare_still(s, start, stop, error);
     s->broken = status != TIDES_OK;
     return status;
 }
 
-/* One macro step, or none of it where it is stopped. */
+/* Advances by one macro step. If it is stopped, the state stays as before it. */
 static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
     tides_status status = td_undo_keep(s, error);
     if (status != TIDES_OK) return status;
@@ -214,7 +214,7 @@ static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, v
 
 /* -- the run --------------------------------------------------------------------------------------------------------------- */
 
-/* Steps up to grid point `last`. */
+/* Advances to grid point `last`. */
 static tides_status advance_to(tides_simulator *s, int64_t last, tides_event_sink sink, void *sink_user, tides_error *error) {
     const td_asking *asking = &s->asking;
     tides_status status = TIDES_OK;
@@ -234,7 +234,7 @@ static tides_status fail_untold(const tides_simulator *s, const char *path, doub
                    s->epoch + until);
 }
 
-/* Fails where a path that is told as it goes hasn't been told as far as grid point `last`. */
+/* Fails where an open path hasn't been extended as far as grid point `last`. */
 static tides_status check_told(const tides_simulator *s, int64_t last, tides_error *error) {
     const double until = td_grid_time(s, last);
     if (!td_trajectory_told(s->camera, s->epoch, until)) return fail_untold(s, "the camera's path", until, error);
@@ -273,7 +273,7 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     tides_status status = TIDES_OK;
     const int64_t last = last_point(simulator, until);
     if (last > simulator->step) status = check_told(simulator, last, error);
-    /* An open path that says where it begins, and no more, has no rates there yet. */
+    /* An open path with one pose has no rates yet, so that the first sample waits for the second pose. */
     const int32_t begins = !simulator->started && (last > 0 || check_told(simulator, 1, NULL) == TIDES_OK);
     if (begins && status == TIDES_OK) status = td_begin(simulator, error);
     td_ask_begin(simulator, progress, user);
@@ -285,7 +285,7 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
 }
 
 tides_status td_simulator_finish(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
-    if (!s->readout.arbiter || s->step == s->grid.steps) return TIDES_OK; /* nothing is held */
+    if (!s->readout.arbiter || s->step == s->grid.steps) return TIDES_OK; /* the readout holds nothing */
     const tides_status status = td_readout_finish(s, error);
     return status == TIDES_OK ? emit(s, sink, user, error) : status;
 }

@@ -1,6 +1,5 @@
-/* Accepted steps: the comparator over them, what they say of the run's accuracy, and their samples given back. For run.c at the
- * end of a macro step, and before that for window.c, where memory is short. timing.c estimates the errors of event times; run.c
- * sorts events and hands them out. */
+/* Accepted steps: runs the comparator over them, adds their estimated accuracy to the statistics, and gives their samples back.
+ * At the end of a macro step for all; before that where memory is short, for the earliest. */
 #include "td_extremes.h"
 #include "solver/td_probe.h"
 #include "solver/td_simulator.h"
@@ -32,7 +31,7 @@ static tides_status compare_step(tides_simulator *s, td_portion *portion, const 
     return status;
 }
 
-/* The tile's sample becomes `to`'s. */
+/* The sample becomes the tile's state at the time reached. */
 static void reach(tides_simulator *s, int t, int32_t index, const td_sample *to) {
     const double *reached = td_sample_at(&s->refine.samples, index);
     size_t at = s->layout.first_pixel[t], bytes = (size_t)s->layout.tile[t].count * sizeof *reached;
@@ -40,7 +39,7 @@ static void reach(tides_simulator *s, int t, int32_t index, const td_sample *to)
     s->tile_risk[t] = *td_sample_risk(&s->refine.samples, index);
 }
 
-/* The head of a tile's list is done with: it and its samples are given back. */
+/* Gives back the first step of a tile's list, and its samples. */
 static void pass_head(td_refine *r, int t) {
     int32_t done = r->head[t], next = r->step[done].next;
     r->head[t] = next;
@@ -50,7 +49,7 @@ static void pass_head(td_refine *r, int t) {
     r->spare_step = done;
 }
 
-/* The accepted steps of a tile: compared where they weren't solved. */
+/* The accepted steps of a tile: compared here, unless look-ups have found their events already. */
 static tides_status settle_tile(tides_simulator *s, td_portion *portion, int t, tides_error *error) {
     const td_refine *r = &s->refine;
     for (int32_t i = r->head[t]; i >= 0 && !r->step[i].open; i = r->step[i].next) {
@@ -71,10 +70,10 @@ static tides_status settle_some(tides_simulator *s, td_portion *portion, int fir
     return status;
 }
 
-/* Units that are worth a thread's while: those whose events are there have only their samples moved. */
+/* Units per portion at least, where events are there and only samples are moved. */
 enum { FEWEST_SOLVED = 256 };
 
-/* Tiles that go their own ways. */
+/* Settles tiles that have steps of their own. */
 static tides_status settle_apart(tides_simulator *s, int early, tides_error *error) {
     td_refine *r = &s->refine;
     tides_status status = td_share_out(s, r->units, s->solve.on ? FEWEST_SOLVED : TD_FEWEST_TILES, settle_some, NULL, error);
@@ -83,7 +82,7 @@ static tides_status settle_apart(tides_simulator *s, int early, tides_error *err
     return status;
 }
 
-/* The first step of every tile, where they have their steps in common, to s->next and through the surround. */
+/* Settles the first step of every tile, where all have their steps in common: the surround sees the whole image. */
 static tides_status settle_common_step(tides_simulator *s, const int32_t *which, double start, double stop,
                                        tides_error *error) {
     td_refine *r = &s->refine;
@@ -115,7 +114,7 @@ static tides_status settle_together(tides_simulator *s, double start, double sto
     return status;
 }
 
-/* The references that the macro step began with, for those steps that are judged after others have been compared. */
+/* Keeps the references that the macro step began with: steps that are judged after others have been compared need them. */
 static tides_status keep_references(tides_simulator *s, tides_error *error) {
     td_refine *r = &s->refine;
     size_t pixels = s->layout.first_pixel[s->layout.tiles];

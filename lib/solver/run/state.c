@@ -1,5 +1,5 @@
-/* The simulator's state for a checkpoint: the table of what is at the end of a step, and taking it up again; and how far it has
- * got. The file, and what makes it one of this run, is lib/checkpoint's; the sensor's own arrays are in its own table. */
+/* The simulator's state for a checkpoint: the table of arrays that exist at the end of a step, and the time reached. It is also
+ * taken up again here. lib/checkpoint writes the file; the sensor has a table of its own. */
 #include "solver/td_simulator.h"
 
 void td_simulator_state(tides_simulator *s, td_state *state) {

@@ -1,5 +1,5 @@
-/* Steps of all pixels together, through the centre-surround to the comparator. For run.c and settle.c, where the sensor has a
- * surround; the modes' arithmetic is lib/sensor/surround's, and which steps there are the controller's. */
+/* Steps of all pixels together, through the centre-surround to the comparator, where the sensor has a surround. The modes'
+ * arithmetic is in lib/sensor/surround. */
 #include "solver/td_simulator.h"
 
 #include <stdlib.h>
@@ -35,7 +35,7 @@ void td_surround_steps_release(td_surround_steps *steps) {
 
 enum { TO_IMAGE, TO_TILES };
 
-/* From the tiles' order to the image's, or the other way. */
+/* Copies planes from the tiles' order to the image's, or back. */
 static void rearrange(const tides_simulator *s, int direction, const double *from, double *to) {
     for (int t = 0; t < s->layout.tiles; t++) {
         const td_tile *tile = &s->layout.tile[t];
@@ -75,13 +75,13 @@ void td_surround_steps_resume(tides_simulator *s) {
     note_reached(s, &now);
 }
 
-/* A tile at one end of a piece: what the comparator wants of it, and the input where it wants that. */
+/* A tile at one end of a piece: the planes that the comparator needs, and the photoreceptor's input where it needs that. */
 typedef struct tile_sample {
     double own[TD_PLANES_ALL][TD_TILE_PIXELS], p[TD_TILE_PIXELS], p_dot[TD_TILE_PIXELS];
     const double *plane[TD_PLANES_ALL];
 } tile_sample;
 
-/* `part` of the step says where between s->now and s->next the other planes are, which are taken to be linear. */
+/* Other planes are linear between s->now and s->next; `part` is the place in the step. */
 static void take_tile(const tides_simulator *s, int t, const td_surround_sample *from, double part, tile_sample *to) {
     const td_tile *tile = &s->layout.tile[t];
     for (int i = 0; i < tile->count; i++) {

@@ -1,5 +1,5 @@
-/* A step of one tile: its signals go to the sensor, which appends events; and what the sensor says of where pixels stand. For
- * the run over steps, and for settling. */
+/* A step of one tile: its signals go to the sensor, which appends events. Also the values that pixels' comparators see at the
+ * time reached. */
 #include "solver/td_simulator.h"
 
 #include <math.h>
@@ -8,11 +8,11 @@
 static double time_now(const tides_simulator *s) {
     td_step step;
     double time = td_grid_time(s, s->step);
-    if (td_step_between(time, time + 1, &step, NULL) != TIDES_OK) return 0; /* the run's steps have all been like it */
+    if (td_step_between(time, time + 1, &step, NULL) != TIDES_OK) return 0; /* can't fail: the run's steps were like this one */
     return td_sensor_time(&s->sensor, s->grid.epoch_ns + step.start_ns, step.start_fraction);
 }
 
-/* Planes are finite (lib/render/nonfinite.c): it is the front end that has made of them what isn't. */
+/* Fails because of NaN in the sensor. Rendered planes are checked before, so that it comes from the front end. */
 static tides_status fail_nonfinite(const tides_simulator *s, int t, const td_step *step, uint64_t pixels, tides_error *error) {
     return td_fail(error, TIDES_BAD_ARGUMENT,
                    "the signal of %llu pixels of the tile at (%d, %d) isn't finite at %.15g s, although the image is: the "
@@ -36,7 +36,7 @@ tides_status td_compare_tile(tides_simulator *s, td_portion *portion, const td_c
     return fail_nonfinite(s, at->tile, at->step, portion->work.counts.nonfinite - before, error);
 }
 
-/* How many of the tiles that move, which are listed in order, are before tile t. */
+/* The number of moving tiles before tile t; their list is in ascending order. */
 static int moving_before(const td_moving *moving, int t) {
     int low = 0, high = moving->count;
     while (low < high) {
@@ -73,12 +73,12 @@ tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_err
     return td_share_out(s, s->layout.tiles, TD_FEWEST_TILES, compare_some_still, step, error);
 }
 
-/* Where a hold takes the reference from the signal anew after each event, an event that is late or early makes a wrong
- * reference, and the errors of a pixel's events add up: in quadrature over the 16 or so of a busy pixel in a run. */
+/* Where a hold takes a new reference from the signal after each event, an error of the event's time becomes an error of the
+ * reference. So errors of a pixel's events add up: in quadrature over some 16 events of a busy pixel in a run. */
 static const double hold_adds = 4;
 
-/* Behind a filter what S is off by lasts for a time constant, and is the same in a reference and in the events after it: little
- * adds up. With 1 one of the 25 runs of tests/property/test_filter_estimates.c reports too little, with 1.5 none of 50. */
+/* Behind a filter an error of S lasts for a time constant, and is equal in a reference and in the next events, so that little
+ * adds up. With 1 one of 25 runs of tests/property/test_filter_estimates.c reports too little, with 1.5 none of 50. */
 static const double hold_adds_behind = 1.5;
 
 void td_time_events(const tides_simulator *s, td_portion *portion, const td_refine_step *refined, const td_compared *compared,
@@ -108,7 +108,7 @@ void td_time_events(const tides_simulator *s, td_portion *portion, const td_refi
     td_timing_add_turns(&portion->timing, &timed);
 }
 
-/* S of every pixel at the time reached, past the surround. */
+/* S of every pixel at the time reached, behind the surround where there is one. */
 static const double *seen(const tides_simulator *s) {
     return s->surround.surround.on ? s->surround.S : s->now.plane[TD_PLANE_S];
 }

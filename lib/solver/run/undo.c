@@ -1,17 +1,18 @@
-/* Stopping in the middle of a step. A macro step of a large scene takes seconds, so progress is asked before each of its
- * launches; a step that it stops is undone, since only between steps is there a state to go on from, here or from a checkpoint.
+/* Stops a run in the middle of a step. A macro step of a large scene takes seconds, so that progress is asked before each of
+ * its launches. A step that is stopped there is undone: only between steps is there a state to go on from, here or from a
+ * checkpoint.
  *
- * The table that checkpoints save is kept, so that a part's new array is undone without further code. Each step copies some 40
- * bytes of an ideal pixel, a thousandth of the time of its renders. For run.c. */
+ * The kept state is the table that checkpoints save, so that a new array needs no further code. Each step copies some 40 bytes
+ * per ideal pixel, a thousandth of the time of its renders. */
 #include "solver/td_simulator.h"
 
-/* Launches that the first step is assumed to take; later steps take the number of the step before. */
+/* Launches assumed for the first step; for later steps, the number of the step before. */
 static const int64_t usual_at_first = 16;
 
 /* -- asking ---------------------------------------------------------------------------------------------------------------- */
 
-/* A td_interrupt. Before the step's first launch nothing has been done since progress was asked last. The number of
- * launches to come is unknown: after as many as the last step took, half of this one counts as done. So it never goes back. */
+/* A td_interrupt, called before a launch; it asks only from a step's second launch on. The number of launches to come isn't
+ * known. After as many as the last step took, half of this step counts as done, so that progress never goes back. */
 static int ask(void *user) {
     const tides_simulator *s = user;
     td_asking *asking = &((tides_simulator *)user)->asking;
@@ -40,7 +41,7 @@ void td_ask_end(tides_simulator *s) {
 
 static size_t bytes_of(const td_state_row *row) { return row->count * td_state_size(row->type); }
 
-/* The arrays as they stand: some take turns. */
+/* The table of arrays as they are now: some of them swap places during a run. */
 static td_state table_of(tides_simulator *s) {
     td_state state = {.rows = 0};
     td_simulator_state(s, &state);

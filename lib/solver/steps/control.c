@@ -1,27 +1,27 @@
-/* Step control: which steps of a refinement level are too long.
+/* Step control: which steps of a refinement level are too long, by
  *
- *   error   the estimated error of the model, against tolerance C and time_tolerance_s (estimate.c); and a whole macro step, in
- *           which nothing has been looked at
+ *   error   the estimated error of the model, against tolerance C and time_tolerance_s; and a whole macro step, which has
+ *           not been probed yet
  *   risk    the paper's score of mixed visibility, against the step's share of the macro step (paper, Eq. 13)
- *   travel  in both modes: a splat that could pass a pixel between two samples (sweep.h)
+ *   travel  in both modes: a splat that could pass a pixel between two samples
  *
- * Each gives the factor by which the step is above its limit; the largest decides. Without `local` a tile whose step is too
- * long cuts those of all. For refine.c, which makes the steps; what errors are worth to a pixel the sensor says. */
+ * Each gives the factor by which the step exceeds its limit, and the largest decides. Without `local` a tile whose step is too
+ * long cuts those of all tiles. refine.c makes the steps. */
 #include "td_extremes.h"
 #include "solver/td_simulator.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Diameters that a splat may travel between two samples: within half of one, none passes a pixel without being seen there. */
+/* Diameters that a splat may travel between two samples: within half of one, it is seen by every pixel that it passes. */
 static const double most_travel = 0.5;
 
-/* Deviations that are rounding: so many times what rounding does to S, from three samples with their rates; and what doesn't
- * fall from one cut to the next is, up to what pixels with much light hidden by much else were seen to have. Above it is a jump
- * of the image, which shorter steps do place better. */
+/* A deviation counts as rounding up to rounding_seen times the rounding of S, computed from three samples with their rates. A
+ * deviation that doesn't fall from one cut to the next counts as rounding up to rounding_most: pixels with much light hidden by
+ * splats in front have that much. A larger one is a jump of the image, and shorter steps place that better. */
 static const double rounding_seen = 2, rounding_most = 50, falls = 0.5;
 
-static const double unseen = 1.000001;      /* excess of a step that nothing has been compared with: any above 1 */
+static const double unseen = 1.000001;      /* excess of a step that hasn't been probed: any above 1 */
 static const double most_contributors = 64; /* splats under a pixel at which the risk's norm(c) is 1 */
 static const double least_share = 1.0 / 32; /* of the macro step, that a tile of risk 1 may take at once */
 
@@ -43,7 +43,8 @@ double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double 
 /* kappa(r): the share of the macro step that a tile of risk r may take at once, from 1 at r = 0 to 1/32 at r = 1. */
 static double step_factor(double risk) { return 1 / (1 + (1 / least_share - 1) * risk); }
 
-/* Have the last two cuts left the deviation as it was? A kink's falls with the step, on average to a half each time. */
+/* 1 where the last two cuts left the deviation unchanged. That of a kink falls with the step, on average to a half each
+ * time. */
 static int is_rounding(const tides_simulator *s, const td_refine_step *step, double threshold) {
     return step->deviation * threshold <= rounding_most * s->done.timing.rounding && step->past[1] > 0 &&
            step->deviation > falls * step->past[1];
@@ -57,7 +58,7 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     const double from = td_refine_time(r, start, stop, step->from),
                  *references = r->early ? r->reference : s->sensor.pixels.reference;
     size_t first = s->layout.first_pixel[step->tile];
-    /* Through a surround each pixel's error is everyone's: all count. */
+    /* With a surround each pixel's error affects all others, so that all pixels count. */
     const td_estimated judged = {td_refine_time(r, start, stop, step->to) - from,
                                  &signals,
                                  s->surround.surround.on ? NULL : references + first,
@@ -69,7 +70,7 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     step->error = estimate.error / threshold;
     step->deviation = estimate.deviation / threshold;
     step->rounded = estimate.rounded / threshold;
-    const int asks_time = s->given.time_tolerance_s > 0 && !s->solve.on; /* else no step's matter */
+    const int asks_time = s->given.time_tolerance_s > 0 && !s->solve.on; /* with look-ups, steps don't decide times */
     double excess = is_rounding(s, step, threshold) ? 0 : step->error / s->given.tolerance;
     if (asks_time && excess > 0) excess = td_greater(excess, estimate.seconds / s->given.time_tolerance_s);
     return td_greater(excess, estimate.crossings / s->sensor.sensor.max_events_per_step);
@@ -87,7 +88,7 @@ void td_control_judge(tides_simulator *s, td_refine_step *step, double start, do
         double begin = *td_sample_risk(&r->samples, step->begin), end = *td_sample_risk(&r->samples, step->end);
         step->excess = td_greater(step->excess, share / step_factor(td_greater(begin, end)));
     }
-    /* Last, for places that all units have in common are rendered for all of a tile together. */
+    /* Swaps come last. Their cuts are at places that all units share, so that a tile's units are rendered together there. */
     step->swap = controls && may_cut && s->given.local && step->excess <= 1 ? td_refine_swap(s, step, &step->begins) : 0;
     if (step->swap) step->excess = unseen;
     step->open = (int16_t)(step->excess > 1 && may_cut);
@@ -98,7 +99,7 @@ static int by_position(const void *a, const void *b) {
     return x < y ? -1 : x > y;
 }
 
-/* Joins the steps of all tiles: a cut that one tile wants is made in all. */
+/* Joins the steps of all tiles: where one tile cuts, all do. */
 static tides_status join_tiles(td_refine *r, tides_error *error) {
     const size_t count = r->pending_count;
     uint32_t *wanted = td_alloc(count, sizeof *wanted, error);
@@ -127,7 +128,7 @@ tides_status td_control_steps(tides_simulator *s, tides_error *error) {
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->open, &r->open_capacity, r->open_count + r->pending_count, sizeof *r->open, error);
     if (status != TIDES_OK) return status;
-    if (r->pending_count == 0) return TIDES_OK; /* nothing was ever reserved, perhaps */
+    if (r->pending_count == 0) return TIDES_OK; /* the list may not exist yet */
     memcpy(r->open + r->open_count, r->pending, r->pending_count * sizeof *r->open);
     r->open_count += r->pending_count;
     s->totals.here.steps_rejected += r->pending_count;

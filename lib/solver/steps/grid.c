@@ -1,5 +1,4 @@
-/* The grid of steps: regular points and knots, by number and by time. For create.c, which asks the renderer for the knots, and
- * for whoever walks along it (run.c, fixed.c). A run's epoch is tides_simulator's; how macro steps are cut is refine.c's. */
+/* The grid of steps: regular points and knots, by number and by time. */
 #include "solver/td_grid.h"
 #include "td_base.h"
 
@@ -8,12 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A last step shorter than this share of the others isn't one of its own: the one before it is so much longer. It is more than
- * the rounding of a stop near 2e9 s (2.4e-7 s) in steps of a millisecond, so that such a run of ten steps has ten; and it asks
- * nothing about where the run lies, so that the same run at another time has the same steps. */
+/* A last step shorter than this share of the others is joined to the one before it. The share exceeds the rounding of a stop
+ * near 2e9 s (2.4e-7 s) for steps of a millisecond, so that a run of ten such steps has ten. It doesn't depend on the epoch, so
+ * that the same run at another time has the same steps. */
 static const double least_last_step = 1.0 / 1024;
 
-/* Two times are one where they are closer than event times resolve [s]. */
+/* Two times that are closer than event times resolve are one [s]. */
 static const double same_time = 1e-9;
 
 static double regular_time(const td_grid *grid, int64_t k) {
@@ -29,7 +28,7 @@ static int64_t regular_before(const td_grid *grid, double time) {
     return k;
 }
 
-/* Puts a knot among the points, after those that are there. */
+/* Inserts a knot behind the knots that are there. */
 static void add_knot(td_grid *grid, double time, double gap, int64_t *last_replaced) {
     int64_t before = regular_before(grid, time), replaced = grid->knots ? grid->replaced[grid->knots - 1] : 0;
     int64_t near = before;
@@ -38,9 +37,9 @@ static void add_knot(td_grid *grid, double time, double gap, int64_t *last_repla
     int gives_way = inner && near != *last_replaced && fabs(regular_time(grid, near) - time) < gap;
     if (gives_way) {
         *last_replaced = near;
-        before = near; /* it counts as behind the knot, and isn't there */
+        before = near; /* this point gives way to the knot */
     } else if (*last_replaced >= before) {
-        before = *last_replaced + 1; /* it is behind this knot too, and counted in `replaced` */
+        before = *last_replaced + 1; /* this point has given way to the knot before; `replaced` counts it */
     }
     grid->knot[grid->knots] = time;
     grid->point[grid->knots] = before - replaced + (int64_t)grid->knots;
@@ -105,10 +104,10 @@ int td_grid_is_knot(const td_grid *grid, int64_t k) {
     return knots > 0 && grid->point[knots - 1] == k;
 }
 
-/* By how much a point `at` may seem later than a time that a caller means it by: the epoch, the step and what the caller worked
- * out are each off by half a unit in the last place, and a clock that adds steps up by as much at each. The latter counts for
- * half of what open paths allow for sums at most (lib/camera/trajectory.c), so that a path that was told up to such a time
- * covers the step; and where doubles hardly tell points apart, as late as the epoch is, all of it for a quarter of a step. */
+/* By how much a point may seem later than the time that a caller means. The epoch, the step and the caller's sum are each off
+ * by half a unit in the last place, and a clock that adds steps up by as much at each. Added errors count for at most half of
+ * what lib/camera/trajectory.c allows for open paths, so that a path which was extended to such a time covers the step. All of
+ * it is at most a quarter of a step, for late epochs, at which doubles hardly tell points apart. */
 static double rounding_at(const td_grid *grid, double epoch, double at) {
     static const double most_added = 0.5e-10;
     const double late = fabs(epoch) + fabs(at), added = 0.5 * (at - grid->start) / grid->step_s * DBL_EPSILON * late;
@@ -121,7 +120,7 @@ int td_grid_reaches(const td_grid *grid, int64_t k, double epoch, double time) {
 }
 
 int64_t td_grid_last_until(const td_grid *grid, double epoch, double time) {
-    int64_t low = 0, high = grid->steps; /* the answer is within */
+    int64_t low = 0, high = grid->steps; /* the answer is in [low, high] */
     while (low < high) {
         int64_t middle = low + (high - low + 1) / 2;
         if (td_grid_reaches(grid, middle, epoch, time))

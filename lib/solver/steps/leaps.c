@@ -1,9 +1,9 @@
-/* The run's grid of steps: regular points, knots of motions, and where paths leap. For create.c.
+/* The run's grid of steps: regular points, knots of motions, and the ends of leaps.
  *
- * Between two samples much nearer each other than to the next, a path may go further than in all the time around them: a cut of
- * the scene, a tracker that was lost. Sweeps cut an interval into pieces of one length until each is followed, so that a leap
- * of a microsecond had 10 ms simulated in microseconds: 12 279 renders where 69 do (bench stability, leap-1e-6). With steps of
- * its own it costs what happens in it. Leaps of open paths aren't known in time, and get no steps of their own. */
+ * Between two samples that are close in time a path may go further than in all the time around them: a cut of the scene, or a
+ * tracker that lost its target. Sweeps cut an interval into equal pieces until each is followed. So a leap of a microsecond had
+ * 10 ms simulated in microseconds: 12 279 renders where 69 are enough (bench stability, leap-1e-6). As a step of its own it
+ * costs only what happens in it. Leaps of open paths aren't known in time, and get no steps of their own. */
 #include "camera/td_trajectory.h"
 #include "solver/td_simulator.h"
 #include "td_sort.h"
@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A leap takes so much less time than what is before and after it. */
+/* A leap takes less time, by this factor, than the intervals before and after it. */
 static const double shorter = 32;
 
 /* Times [s after the epoch]. */
@@ -26,9 +26,9 @@ static tides_status add_time(times *to, double time, tides_error *error) {
     return status;
 }
 
-/* The way between two samples. */
+/* The path between two samples. */
 typedef struct way {
-    double seconds, distance, turn; /* turn: 1 - cos of half of it */
+    double seconds, distance, turn; /* turn: 1 - cos of half the angle */
 } way;
 
 static way way_between(const tides_pose_sample *a, const tides_pose_sample *b) {
@@ -38,7 +38,7 @@ static way way_between(const tides_pose_sample *a, const tides_pose_sample *b) {
     return (way){b->time - a->time, sqrt(square), 1 - fabs(dot)};
 }
 
-/* From sample i of a path to the next; before its first and after its last it rests for ever. */
+/* From sample i of a path to the next. Before the first and after the last sample the path rests. */
 static tides_status way_after(const tides_trajectory *path, size_t i, way *found, tides_error *error) {
     tides_pose_sample a, b;
     *found = (way){INFINITY, 0, 0};
@@ -55,7 +55,7 @@ static int is_leap(const way *before, const way *own, const way *after) {
             (own->turn > before->turn && own->turn > after->turn));
 }
 
-/* Both ends of the leaps of a path in a run of `length` seconds. */
+/* Adds both ends of each leap of a path, in a run of `length` seconds. */
 static tides_status add_leaps(const tides_trajectory *path, double epoch, double length, times *to, tides_error *error) {
     way before = {INFINITY, 0, 0}, own, after;
     tides_pose_sample begin;
@@ -84,7 +84,7 @@ static tides_status find_leaps(const tides_simulator *s, times *to, tides_error 
     return status;
 }
 
-/* Equal steps stay equal, but for the knots. */
+/* Regular steps stay equal; knots cut them. */
 tides_status td_lay_grid(tides_simulator *s, tides_error *error) {
     size_t knots;
     const double *knot = td_renderer_knots(s->renderer, &knots);

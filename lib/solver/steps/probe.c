@@ -1,17 +1,17 @@
-/* Probes: where a step is cut, and how far its cubic is off there. */
+/* Probes: where a step is cut, and how far the model of the whole step is off there. */
 #include "solver/td_probe.h"
 #include "td_wide.h"
 
 #include <math.h>
 
-/* Away from the middle by so much of the step. A signal that returns at the very middle to its start shows here in its rate. A
- * lamp of two periods per step, at rest at the ends, is off by 0.8 to 1.9 amplitudes so weighed. The place is no further from
- * the middle, since the longer part's error falls with the fourth power of its length. */
+/* Distance of the cut from the step's middle, as a share of the step. A signal that returns to its start at the very middle
+ * shows in its rate here. A lamp of two periods per step, at rest at the ends, has a deviation of 0.8 to 1.9 amplitudes. The
+ * cut isn't farther from the middle, since the longer part's error grows with the fourth power of its length. */
 static const double nearest = 0.01, furthest = 0.02;
 
-/* Weight of the rate in a deviation. For a smooth signal the rate is nearly right at the middle, and adds little. It shows a
- * kink that the value alone may hide: one a quarter of the step away leaves the middle's value right. With this weight the
- * errors of both parts' cubics are 1.4 times the sum at most, wherever a kink is (tests/unit/test_probe.c). */
+/* Weight of the rate in a deviation. The rate of a smooth signal is nearly right at the middle, and adds little. The rate shows
+ * a kink that the value may hide: one at a quarter of the step leaves the middle's value right. With this weight the errors of
+ * both parts' cubics are at most 1.4 times the sum, wherever a kink is (tests/unit/test_probe.c). */
 static const double rate_weight = 0.5;
 
 /* splitmix64 (S. Vigna, public domain): all bits of the key in all bits of the number. */

@@ -1,11 +1,8 @@
-/* Adaptive steps: which (tile, time) jobs a macro step needs.
+/* Adaptive steps: which (unit, time) jobs a macro step needs.
  *
- * Level 0 renders every tile in which something moves at the macro step's end, and inside it where the error is controlled.
- * Each level then cuts those of the new steps that the controller (control.c) finds too long, until there is none or min_step_s
- * is reached. All tiles' jobs of a level are one batch for the renderer; equal times share a slot.
- *
- * For run.c. Whether a step is too long is control.c's to say, which of too many come first window.c's; what becomes of
- * accepted steps is settle.c's. */
+ * Level 0 renders every unit in which something moves, at the macro step's end, and inside it where the error is controlled.
+ * Each level then cuts the new steps that the controller finds too long, until there are none or min_step_s is reached. All
+ * jobs of a level are one batch of the renderer; jobs of equal time share a slot. */
 #include "solver/td_probe.h"
 #include "solver/td_simulator.h"
 
@@ -13,14 +10,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Positions are finer than the shortest step by this: cuts aren't in the middle. */
+/* Positions within a macro step are finer than the shortest step by 2^SHORTEST_BITS, because cuts aren't in the middle. */
 enum { MAX_DEPTH = 24, SHORTEST_BITS = 6 };
 
-/* Steps are at least so many units in the last place of the run's length so far: 3.6 ps after 1000 s. Below, their ends are no
- * longer told apart as nanoseconds with a fraction (step.c), however short min_step_s asks for. */
+/* Steps are at least this many units in the last place of the run's length so far: 3.6 ps after 1000 s. Shorter ones have ends
+ * that can't be told apart as nanoseconds with a fraction, whatever min_step_s is. */
 static const double least_steps = 16;
 
-/* Parts into which a step between two knots may be cut, however short it is. A leap of a microsecond that was one step of
+/* A step between two knots may be cut into so many parts, however short it is. A leap of a microsecond that was one step of
  * min_step_s had a third of its events. */
 static const double parts_between_knots = 64;
 
@@ -40,7 +37,7 @@ static double shortest_step(const tides_simulator *s, double start, double stop)
     return fmax(asked, least_steps * DBL_EPSILON * stop);
 }
 
-/* Adds a job to the level, for a new sample. */
+/* Adds a job for a new sample to the level. */
 static tides_status add_job(tides_simulator *s, int tile, double time, tides_error *error) {
     int32_t sample;
     tides_status status = td_samples_take(&s->refine.samples, &sample, error);
@@ -49,7 +46,7 @@ static tides_status add_job(tides_simulator *s, int tile, double time, tides_err
 
 /* -- steps ----------------------------------------------------------------------------------------------------------------- */
 
-/* A step that is there, or for which there is room. */
+/* Returns a step that was given back, or a new one within the reserved memory. */
 static int32_t next_step(td_refine *r) {
     const int32_t spare = r->spare_step;
     if (spare < 0) return (int32_t)r->steps++;
@@ -63,7 +60,7 @@ static tides_status new_step(td_refine *r, int32_t *index, tides_error *error) {
     return status;
 }
 
-/* The moving tiles' lists of one whole step each, from the samples that the last macro step ended with to those to come. */
+/* Begins a list of one whole step for each moving unit, from the sample that the last macro step ended with to a new one. */
 static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *error) {
     td_samples_clear(&r->samples);
     r->steps = r->open_count = r->fresh_count = 0;
@@ -92,7 +89,7 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
     return status;
 }
 
-/* Beside a cut's deviations: how far they have fallen since the cut before, which is at an end of the step that is cut. */
+/* Notes how far the deviations of a cut have fallen since the cut before; sample `before` was that cut, -1 for none. */
 static void note_falls(td_refine *r, int32_t before, int32_t sample, int32_t count) {
     const double *deviation = td_sample_deviation(&r->samples, sample);
     uint8_t *fall = td_sample_fall(&r->samples, sample);
@@ -109,9 +106,10 @@ static uint32_t place_of(const tides_simulator *s, const td_refine_step *step) {
     return step->swap ? step->swap : td_probe_place(s->refine.macro, step->from, step->to);
 }
 
-/* Through a surround all tiles are cut where one wants to be. Where another's cubic is good enough, what is there follows from
- * it. That takes a share of the limits, for errors meet in the surround. A choice: with a quarter the demo's p95 rises from 1.0
- * to 1.2 us, for a sixth of the renders. A step with a swap is rendered: its cubic can't know the swap. */
+/* With a surround all tiles are cut where one needs it. A tile whose own cubic is good enough isn't rendered: its values there
+ * are the cubic's, it follows. Its error may be this share of the limits only, because errors of all tiles meet in the
+ * surround. A choice: with a quarter the demo's p95 rises from 1.0 to 1.2 us, for a sixth of the renders. A step with a swap is
+ * rendered: its cubic can't know the swap. */
 static const double good_enough = 0.25;
 
 static int follows(const tides_simulator *s, const td_refine_step *step) {
@@ -119,19 +117,19 @@ static int follows(const tides_simulator *s, const td_refine_step *step) {
            step->excess <= good_enough;
 }
 
-/* Starts the estimates of the part with a swap anew: earlier samples needn't have seen the swap. */
+/* Forgets the deviations of a step that contains a swap: samples before needn't have seen it. */
 static void begin_anew(td_refine_step *step) {
     step->probe = -1;
     step->deviation = step->past[0] = step->past[1] = 0;
 }
 
-/* Keeps the deviations of the part without a swap. A sample where a swap begins or ends adds nothing about that part. */
+/* Keeps the deviations of the part without a swap: a sample where a swap begins or ends says nothing about that part. */
 static void keep_deviations(td_refine *r, int32_t before, int32_t sample, int32_t count) {
     memcpy(td_sample_deviation(&r->samples, sample), td_sample_deviation(&r->samples, before), (size_t)count * sizeof(double));
-    memset(td_sample_fall(&r->samples, sample), 0, (size_t)count); /* and nothing of how smooth it is */
+    memset(td_sample_fall(&r->samples, sample), 0, (size_t)count); /* nor about how smooth it is */
 }
 
-/* How far the step is off where it is cut. */
+/* Computes the deviations at a cut: how far the step's cubic is off its sample. */
 static void note_deviations(const tides_simulator *s, td_refine *r, double start, double stop, const td_refine_step *a,
                             uint32_t at, int32_t sample) {
     const double *begin = td_sample_at(&r->samples, a->begin), *end = td_sample_at(&r->samples, a->end);
@@ -144,13 +142,13 @@ static void note_deviations(const tides_simulator *s, td_refine *r, double start
     note_falls(r, a->probe, sample, s->layout.tile[a->tile].count);
 }
 
-/* Hands a step's deviations down to its parts, where the step was cut on its own cubic and not at a new sample. */
+/* Copies a step's deviations to its parts, where the cut has the cubic's own values and no new sample. */
 static void hand_down(td_refine *r, int32_t before, int32_t sample, int32_t count) {
     memcpy(td_sample_deviation(&r->samples, sample), td_sample_deviation(&r->samples, before), (size_t)count * sizeof(double));
     memcpy(td_sample_fall(&r->samples, sample), td_sample_fall(&r->samples, before), (size_t)count);
 }
 
-/* Cuts a step at the position `at`, where `sample` has been rendered: its second part is the new step `right`. */
+/* Cuts a step at the position `at`, where `sample` was rendered. The second part is the new step `right`. */
 static void cut(const tides_simulator *s, td_refine *r, double start, double stop, int32_t left, int32_t right, uint32_t at,
                 int32_t sample) {
     td_refine_step *a = &r->step[left], *b = &r->step[right];
@@ -172,7 +170,7 @@ static void cut(const tides_simulator *s, td_refine *r, double start, double sto
     a->next = right;
 }
 
-/* All steps that the level's cuts make: two of the next level's of each pending one. */
+/* Makes the parts of all pending steps, two for each, and lists them as `fresh`. */
 static tides_status lay_parts(td_refine *r, tides_error *error) {
     const size_t count = r->pending_count;
     tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, 2 * count, sizeof *r->fresh, error);
@@ -188,7 +186,7 @@ static tides_status lay_parts(td_refine *r, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Cuts a pending step where `sample` is. Steps that follow keep their measures. */
+/* Cuts a pending step at its new sample. Parts of a step that follows its cubic keep its measures. */
 static void cut_pending(tides_simulator *s, size_t number, int32_t sample) {
     td_refine *r = &s->refine;
     const int32_t left = r->pending[number], right = r->part[number];
@@ -213,7 +211,7 @@ static void store_sample(tides_simulator *s, const td_ask *ask, const double *pl
     *td_sample_risk(samples, ask->sample) = s->given.outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, unit, planes);
 }
 
-/* Reads a sample while it is at hand, since the samples of a level are more than caches hold. */
+/* Stores a sample and reads it at once: the samples of a level don't fit in the cache. */
 static void take_sample(tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
     const size_t number = (size_t)(ask - s->launch.ask), first_cut = *(const size_t *)user;
     store_sample(s, ask, planes);
@@ -228,7 +226,7 @@ static tides_status render_level(tides_simulator *s, size_t first_cut, tides_err
 
 /* -- levels ---------------------------------------------------------------------------------------------------------------- */
 
-/* Puts the pending steps that follow last; returns how many others there are. */
+/* Moves the pending steps that follow their cubics to the end of the list. Returns the number of the others. */
 static size_t set_apart(const tides_simulator *s, td_refine *r) {
     size_t others = 0;
     for (size_t i = 0; i < r->pending_count; i++) {
@@ -240,7 +238,7 @@ static size_t set_apart(const tides_simulator *s, td_refine *r) {
     return others;
 }
 
-/* Makes a sample on the tile's cubic, and on lines of its other planes, where a step that follows is cut. */
+/* Makes a sample from the step's cubic, and from lines for the other planes, where a step that follows is cut. */
 static void continue_cubic(td_refine *r, const td_refine_step *step, uint32_t at, int32_t sample) {
     const double *begin = td_sample_at(&r->samples, step->begin), *end = td_sample_at(&r->samples, step->end);
     const double from = td_refine_time(r, r->start, r->stop, step->from);
@@ -292,7 +290,7 @@ tides_status td_refine_level(tides_simulator *s, double start, double stop, tide
     return status == TIDES_OK ? cut_followers(s, rendered, error) : status;
 }
 
-/* Level 0: every moving tile at the macro step's end, and where nothing else is known than that all will be cut, inside it. */
+/* Level 0: every moving unit at the macro step's end. It is also rendered inside, where all macro steps will be cut anyway. */
 static tides_status first_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
     int looks = s->given.mode == TIDES_STEPPING_ERROR && td_refine_may_cut(r, &r->step[r->fresh[0]]);
     size_t count = r->fresh_count;

@@ -1,5 +1,4 @@
-/* Samples of a macro step: chunks, and a stack of what has been given back. For refine.c and settle.c, which fill them and know
- * when one isn't needed any more; how many there may be at once window.c sees to. */
+/* Samples of a macro step: chunks of memory, and a stack of samples that were given back. */
 #include "solver/td_samples.h"
 
 #include <stdlib.h>
@@ -7,7 +6,7 @@
 static tides_status add_chunk(td_samples *samples, tides_error *error) {
     tides_status status =
         td_reserve((void **)&samples->chunk, &samples->chunk_capacity, samples->chunks + 1, sizeof *samples->chunk, error);
-    if (status == TIDES_OK) /* so that giving back never fails */
+    if (status == TIDES_OK) /* room for giving back all, which then can't fail */
         status = td_reserve((void **)&samples->spare, &samples->spare_capacity, (samples->chunks + 1) << TD_SAMPLE_BITS,
                             sizeof *samples->spare, error);
     if (status != TIDES_OK) return status;

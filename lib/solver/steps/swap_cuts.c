@@ -1,13 +1,14 @@
-/* Cuts of steps because of swaps of depth (td_renderer_swaps). A step that is accepted otherwise may hold a swap too short to
- * show in its samples. It is cut where the swap begins and ends, and refined between. */
+/* Cuts of steps because of swaps of depth. A step that is accepted otherwise may contain a swap too short to show in its
+ * samples. It is cut where the swap begins and ends, and refined between. */
 #include "td_extremes.h"
 #include "td_math.h"
 #include "solver/td_simulator.h"
 
 #include <math.h>
 
-/* Swaps that move log_luminance by less are left to the samples: this share of a threshold, or of a large tolerance. A
- * choice: with less blocks of a tile have more places of their own, which are rendered for each of them alone. */
+/* Swaps that change log_luminance by less than this are left to the samples: a share of a threshold, or of a tolerance where
+ * that is larger. A choice: with lower limits blocks of a tile have more cuts of their own, which are rendered for one block
+ * alone. */
 static const double least_share = 0.05, share_of_tolerance = 0.5;
 
 /* The least light of a unit at the macro step's start: exp(S). */
@@ -18,7 +19,7 @@ static double least_light(const tides_simulator *s, int32_t unit) {
     return td_exp(least);
 }
 
-/* A part of the interval, in units of steps' places. */
+/* A unit of swaps' times, in units of steps' positions. */
 static double part_of(const tides_simulator *s) { return (double)((uint32_t)1 << s->refine.depth) / TD_SWAP_PARTS; }
 
 /* The first swap at `part` or later. */
@@ -34,16 +35,16 @@ static int find_swap(const td_swap *swap, int count, double part) {
     return low;
 }
 
-/* A swap that takes no less than this share of a step shows in its samples, as whatever is smooth does. A choice. */
+/* A swap that takes no less than this share of a step shows in its samples, like any smooth change. A choice. */
 static const double shows = 0.25;
 
-/* Where a step may be cut, in units of swaps' times, and what counts there; best: where it is, below 0 nowhere yet. */
+/* Where a step may be cut, in units of swaps' times, and the limits of swaps that count. best: the cut, below 0: none. */
 typedef struct cuts {
     double least, most, wide, light, best;
     int begins; /* 1: a swap begins there, 0: it ends */
 } cuts;
 
-/* Ends of a block's swaps: the nearest to the middle. */
+/* Finds the end of a block's swaps that is nearest to the step's middle. */
 static void find_nearest(const td_swap *swap, int count, cuts *of) {
     const double middle = 0.5 * (of->least + of->most);
     for (int i = find_swap(swap, count, of->least - of->wide); i < count && swap[i].part <= of->most + of->wide; i++) {
@@ -79,7 +80,7 @@ uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, in
 
 /* -- looking at them ------------------------------------------------------------------------------------------------------- */
 
-/* Swaps of the block that a pixel of a unit is in. */
+/* The swaps of the block that contains a pixel of a unit. */
 static const td_swap *swaps_of(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
     const td_tile *unit = &s->layout.tile[step->tile];
     const int across = TD_TILE / TD_BLOCK, x = local % unit->width / TD_BLOCK, y = local / unit->width / TD_BLOCK;

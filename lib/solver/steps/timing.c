@@ -1,6 +1,6 @@
-/* Estimated errors of event times, event by event, for the statistics that the simulator reports (error_p50_s and so on) and
- * for what counts as uncertain. For settle.c. Errors of S come from probes, and from the embedded estimate
- * (signal/td_model_error.h). The estimates of times change no step and no event. */
+/* Estimated errors of event times, event by event. The simulator reports them (error_p50_s and so on) and counts uncertain
+ * events. Errors of S come from probes and from the embedded estimate (signal/td_model_error.h). These estimates change no step
+ * and no event. */
 #include "solver/td_timing.h"
 #include "render/td_render.h"
 #include "signal/td_model_error.h"
@@ -13,13 +13,13 @@
 #include <math.h>
 #include <string.h>
 
-static const int first_octave = -48; /* 2^-48 s: far below a nanosecond */
+static const int first_octave = -48; /* 2^-48 s = 3.6 fs */
 
 /* -- one event ----------------------------------------------------------------------------------------------------------- */
 
-/* The signal is `error` beyond the level after v d + a d^2 / 2 = error, and was `error` short of it as long before. Where it
- * bends back, the one that lies that way may not exist: a touch, of which both crossings and all between them are within the
- * error. One comparison at a time, one root and one division, so that loops vectorise. */
+/* The signal is `error` beyond the level at the d that solves v d + a d^2 / 2 = error, and was `error` short of it as long
+ * before. Where it bends back, one of these may not exist: the crossing is then a touch, and both crossings and all times
+ * between are within the error. Written with one comparison at a time, one root and one division, so that loops vectorise. */
 static inline double reach_of(double v, double a, double error, double *touches) {
     const double bend = fabs(a), forwards = v > 0 ? v : 0, left = forwards * forwards - 2 * bend * error;
     const double root = sqrt(left >= 0 ? left : forwards * forwards + 2 * bend * error);
@@ -42,7 +42,7 @@ double td_timing_reach(double v, double a, double error, int *touches) {
 
 /* -- many ---------------------------------------------------------------------------------------------------------------- */
 
-/* The bin of a time [s]: its exponent and the first bits of its mantissa, which is no logarithm's work. */
+/* The bin of a time [s]: its exponent and the first bits of its mantissa, without a logarithm. */
 static int bin_of(double seconds) {
     enum { DOUBLE_BIAS = 1023, SHIFT = 52 - TD_TIMING_BITS };
     uint64_t bits;
@@ -58,9 +58,8 @@ static double end_of(int bin) {
     return ldexp(1 + (part + 1.0) / (1 << TD_TIMING_BITS), octave + first_octave);
 }
 
-/* Least share of the middle's error that is left at any s of the step. The cubic is right at both ends, in value and slope. For
- * a smooth signal its error lies between them as 16 s^2 (1 - s)^2. A kink may be anywhere: its error falls later towards the
- * ends. */
+/* Least share of the middle's error that is assumed at any s of the step. The cubic is right at both ends, in value and slope,
+ * and a smooth signal's error lies between as 16 s^2 (1 - s)^2. A kink's error falls to 0 only near the ends. */
 static const double least_share = 0.05;
 
 static inline double share_of(int is_smooth, double s) {
@@ -80,9 +79,9 @@ static inline void differences(const td_tile *tile, const double *S, int32_t i, 
     if (i + tile->width < tile->count) *across = td_greater(*across, fabs(S[i + tile->width] - S[i]));
 }
 
-/* Rounding of S. It has two units of the sums and the logarithm that S comes of. Splats' places on the screen are rounded at
- * the size of the image, which moves the picture by that. Against the double reference, over pixels of 45 random scenes
- * (grazing_world.h) at 20, 80 and 320 px: the median is 0.19 times this, 95 % 0.66 times, 99 % 1.0 times, at any size. */
+/* Rounding of S: two units of the sums and of the logarithm, and the change of S where splats' places on the screen are rounded
+ * at the size of the image. Against the double reference, over pixels of 45 random scenes (grazing_world.h) at 20, 80 and 320
+ * px: the median error is 0.19 times this, 95 % are below 0.66 times, 99 % below 1.0 times, at each size. */
 static inline double rounding_at(const td_timing *timing, double S, double along, double across) {
     return timing->epsilon * (2 * (1 + fabs(S)) + timing->size * sqrt(along * along + across * across));
 }
@@ -98,7 +97,7 @@ static double rounding_of(const td_timing *timing, const td_timed *timed, int32_
     return td_timing_rounding(timing, timed->tile, timed->signals->S1, i);
 }
 
-/* Error of S in the middle of the step, before the law's shares. Without a deviation the embedded estimate stands for it. */
+/* Error of S in the middle of the step. Without a probe the embedded estimate stands for it. */
 static inline double deviation_of(const td_timed *timed, int32_t i) {
     const td_signals *at = timed->signals;
     double h = timed->step->length_s;
@@ -111,7 +110,7 @@ static inline td_probe_law law_of(const td_timed *timed, int32_t i) {
     return timed->deviation ? td_probe_left(timed->fall[i]) : embedded;
 }
 
-/* Place in the step of an event so many whole nanoseconds after the step's start. */
+/* Place in the step of an event that is `passed` whole nanoseconds after the step's start. */
 static inline double place_after(const td_step *step, double passed) {
     const double s = (passed + 0.5 - step->start_fraction) / step->length_ns, within = td_lesser(s, 1);
     return s > 0 ? within : 0;
@@ -134,7 +133,7 @@ static double ramp_at(const td_timed *timed, int32_t i, double s) {
     return levels->leak ? levels->leak[i] * (levels->time + s * timed->step->length_ns) : 0;
 }
 
-/* The pixel's reference at `s`: what it is now, without what fired since. */
+/* The pixel's reference at `s`: the present one, less events of this step that fired after `s`. */
 static double reference_at(const td_timed *timed, int32_t i, double s) {
     const td_levels *levels = &timed->levels;
     double reference = levels->reference[i];
@@ -147,19 +146,18 @@ static double reference_at(const td_timed *timed, int32_t i, double s) {
     return reference;
 }
 
-/* Events of a step, some at a time: what is read of each, then what the signal does there, what it may be off by, and what that
- * comes to. */
+/* Up to EVENTS events of a step: what is read for each, the signal there, its error, and the error of time. */
 enum { EVENTS = 64 };
 typedef struct some {
     int count;
     int32_t pixel[EVENTS];
-    double passed[EVENTS]; /* whole nanoseconds since the step's begun */
+    double passed[EVENTS]; /* whole nanoseconds since the step's start */
     double S0[EVENTS], S0_dot[EVENTS], S1[EVENTS], S1_dot[EVENTS];
-    double polarity[EVENTS], rise[EVENTS]; /* of the leak's ramp */
+    double polarity[EVENTS], rise[EVENTS]; /* rise of the leak's ramp per step */
     double deviation[EVENTS], is_smooth[EVENTS], along[EVENTS], across[EVENTS];
     double s[EVENTS], slope[EVENTS], bend[EVENTS], middle[EVENTS], rounding[EVENTS]; /* slope and curvature per step */
-    double share[TD_PROBE_SHARES][EVENTS], weight[TD_PROBE_SHARES][EVENTS];          /* the law's */
-    double reach[TD_PROBE_SHARES][EVENTS], touches[TD_PROBE_SHARES][EVENTS];         /* by each of its shares */
+    double share[TD_PROBE_SHARES][EVENTS], weight[TD_PROBE_SHARES][EVENTS];          /* of the probe's law */
+    double reach[TD_PROBE_SHARES][EVENTS], touches[TD_PROBE_SHARES][EVENTS];         /* one for each share */
 } some;
 
 static void read_event(const td_timed *timed, const tides_event *event, int n, some *to) {
@@ -183,7 +181,7 @@ static void read_event(const td_timed *timed, const tides_event *event, int n, s
     }
 }
 
-/* Slope and curvature of the signal between both ends, and what it may be off by. */
+/* Slope, curvature and error of the signal within the step, for each event. */
 TD_WIDE static void find_turns(const td_timing *timing, const td_timed *timed, some *restrict of) {
     const td_step step = *timed->step;
     const td_timing known = {.epsilon = timing->epsilon, .size = timing->size};
@@ -202,15 +200,15 @@ TD_WIDE static void find_turns(const td_timing *timing, const td_timed *timed, s
 
 /* -- behind a first-order low-pass ---------------------------------------------------------------------------------------- */
 
-/* S' = rate (L - S) takes an error of L in, too: S is off by what of the step's error, which bows between its ends, has come
- * through so far, and by what is left of the steps before. The two errors have independent signs, and add up as squares. */
+/* S' = rate (L - S) also takes in errors of L. S has two errors with independent signs, which add as squares: the part of this
+ * step's error that has come through so far, and the rest of earlier steps' errors. */
 
-/* The integral of the bow of share_of, from 0 to s. */
+/* The integral from 0 to s of the error's shape, which is 1 in the middle. */
 static inline double bow_until(int is_smooth, double s) {
     return is_smooth ? 16 * s * s * s * (1.0 / 3 - s * (0.5 - 0.2 * s)) : 4 * s * s * (0.5 - s * (1.0 / 3));
 }
 
-/* Share of an error of 1 in the middle that has come through by s of a step of `rate`: at most 1, for S is an average. */
+/* The part of an error, 1 in the middle, that has come through by s in a step of `rate`: at most 1, since S is an average. */
 static inline double passed_until(int is_smooth, double rate, double s) { return td_lesser(rate * bow_until(is_smooth, s), 1); }
 
 /* The filter's rate in a step, where the light is L. */
@@ -221,9 +219,9 @@ static inline double rate_at(const td_timed *timed, double L) {
     return rate * (frontend->light * td_greater(td_exponential(L) - timed->log_eps, 0) + frontend->dark);
 }
 
-/* S is on the level that the event took the reference to, or where the hold after it ends, on what the reference is then. */
+/* At an event S is at the level that became the reference. Where a hold ends later, S is the reference at that time. */
 static void filter_turn(const td_timed *timed, int n, some *of) {
-    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): set for each of `count` */
+    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): set for each of the of->count events */
     const int32_t i = of->pixel[n];
     const td_model model = model_of(timed, i);
     const double s = of->s[n], later = s + timed->held, at = later <= 1 ? later : s;
@@ -234,15 +232,15 @@ static void filter_turn(const td_timed *timed, int n, some *of) {
     of->rounding[n] = td_timing_together(of->rounding[n], timed->adds * timed->filter_error[i] * td_exponential(-rate * s));
 }
 
-/* Carries the filter's errors to the step's end. It takes the share of most steps, since the carried error is a sum over
- * many. */
+/* Carries the filter's errors to the step's end. It uses the law's most probable share, since the carried error is a sum over
+ * many steps. */
 static void carry_errors(const td_timed *timed) {
     for (int32_t i = 0; i < timed->tile->count; i++) {
         const td_probe_law law = law_of(timed, i);
         const double rate = rate_at(timed, timed->signals->S1[i]), error = deviation_of(timed, i) / timed->adds;
         const double fresh = law.share[0] * error * passed_until(law.is_smooth, rate, 1);
         const double sum = td_timing_together(timed->filter_error[i] * td_exponential(-rate), fresh);
-        timed->filter_error[i] = sum >= 0 ? sum : 0; /* NaN is counted elsewhere */
+        timed->filter_error[i] = sum >= 0 ? sum : 0; /* statistics count NaN elsewhere */
     }
 }
 
@@ -263,7 +261,7 @@ TD_WIDE static void find_reaches(some *restrict of) {
 static void add_some(td_timing *timing, const td_timed *timed, const some *of) {
     for (int n = 0; n < of->count; n++) {
         int touches = 0;
-        /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): as above; whole vectors are written */
+        /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): whole vectors are written */
         for (int k = 0; k < TD_PROBE_SHARES && of->weight[k][n] > 0; k++) {
             const double reach = of->reach[k][n];
             const int may_touch = of->touches[k][n] > 0 || (timed->is_last && of->s[n] + reach >= 1);
@@ -283,11 +281,11 @@ void td_timing_add_solved(td_timing *timing, double stands_for, double error, do
 
 void td_timing_add(td_timing *timing, const td_timed *timed) {
     const int filters = timed->filter_error != NULL;
-    some taken; /* large: only what is set is read */
+    some taken; /* large: only members that are used are set */
     for (size_t begin = 0; begin < timed->count; begin += EVENTS) {
         const size_t left = timed->count - begin;
         taken.count = left < EVENTS ? (int)left : EVENTS;
-        for (int n = 0; n < td_whole_vectors(taken.count); n++) /* filled up with the last */
+        for (int n = 0; n < td_whole_vectors(taken.count); n++) /* repeats the last event in a whole vector */
             read_event(timed, &timed->events[begin + (size_t)(n < taken.count ? n : taken.count - 1)], n, &taken);
         find_turns(timing, timed, &taken);
         for (int n = 0; n < taken.count && filters; n++) filter_turn(timed, n, &taken);
@@ -299,15 +297,15 @@ void td_timing_add(td_timing *timing, const td_timed *timed) {
 
 /* -- events that might have been ----------------------------------------------------------------------------------------- */
 
-/* A bound that the error of S at s hardly ever exceeds. */
+/* A bound that the error of S at s rarely exceeds. */
 static double most_error(const td_timing *timing, const td_timed *timed, int32_t i, double s) {
     const td_probe_law law = law_of(timed, i);
     const double share = timed->deviation ? TD_PROBE_LEFT_MOST : 1;
     return td_timing_together(share * deviation_of(timed, i) * share_at(&law, s), rounding_of(timing, timed, i));
 }
 
-/* An upper bound of rounding_of and of TD_DOUBLE_ROUNDING over the tile's pixels, from the largest difference between any
- * two. */
+/* An upper bound of the rounding of S, in single and in double precision, over the tile's pixels; from the largest difference
+ * between any two. */
 TD_WIDE static double most_rounding(const td_timing *timing, const double *S, int32_t pixels) {
     enum { LANES = 16 };
     double low[LANES], high[LANES];
@@ -325,18 +323,18 @@ TD_WIDE static double most_rounding(const td_timing *timing, const double *S, in
     }
     const double size = 1 + td_greater(fabs(low[0]), fabs(high[0])), epsilon = timing->epsilon;
     return epsilon * (2 * size + 1.5 * timing->size * (high[0] - low[0])) +
-           2 * TD_DOUBLE_ROUNDING * size; /* 1.5: over root 2 */
+           2 * TD_DOUBLE_ROUNDING * size; /* 1.5: at least root 2, for both directions */
 }
 
-/* Pixels that are looked at one by one: 1, the others 0. */
+/* Marks of pixels: 1 for those that are looked at one by one, else 0. */
 typedef struct marks {
-    double fired[TD_TILE_PIXELS]; /* their references have changed within the step */
+    double fired[TD_TILE_PIXELS]; /* 1: the reference has changed within the step */
     double turns[TD_TILE_PIXELS], ends[TD_TILE_PIXELS];
 } marks;
 
-/* Marks the pixels whose control values both rise and fall and come so near a level that an error may decide whether they reach
- * it, and those that end so near one. Margins cover `rounding` at most, twice the other errors, and the rounding of this test.
- * As doubles, by one comparison at a time, so that the loop vectorises (lib/sensor/comparator.c). */
+/* Marks the pixels whose control values rise and fall and come so near a level that an error may decide whether it is reached,
+ * and those that end so near one. Margins are `rounding`, twice the other errors, and the rounding of this test. Marks are
+ * doubles, with one comparison at a time, so that the loop vectorises. */
 static inline void mark(int own, const td_timed *timed, double rounding, const double *leak, marks *restrict to) {
     const td_signals at = *timed->signals;
     const td_levels levels = timed->levels;
@@ -373,7 +371,7 @@ TD_WIDE static void mark_all(const td_timed *timed, double rounding, marks *to) 
         mark(0, timed, rounding, leak, to);
 }
 
-/* The turns of pixel i. */
+/* Counts the turns of pixel i at which an error decides whether a level is reached. */
 static void add_turns(td_timing *timing, const td_timed *timed, int32_t i) {
     const td_levels *levels = &timed->levels;
     const td_model model = model_of(timed, i);
@@ -387,7 +385,7 @@ static void add_turns(td_timing *timing, const td_timed *timed, int32_t i) {
     }
 }
 
-/* Counts a signal so near a level at the run's end that its error decides. The error there is rounding alone. */
+/* Counts a signal that ends the run so near a level that its error decides. The error there is rounding alone. */
 static void add_end(td_timing *timing, const td_timed *timed, int32_t i) {
     const td_levels *levels = &timed->levels;
     const double S = timed->signals->S1[i], residual = S + ramp_at(timed, i, 1) - levels->reference[i];
@@ -400,7 +398,7 @@ static void add_end(td_timing *timing, const td_timed *timed, int32_t i) {
 void td_timing_add_turns(td_timing *timing, const td_timed *timed) {
     if (timed->frontend && timed->frontend->on) return; /* the model is of L, not of S */
     const size_t pixels = (size_t)timed->tile->count;
-    marks marked; /* large: only what is set is read */
+    marks marked; /* large: only members that are used are set */
     memset(marked.fired, 0, pixels * sizeof *marked.fired);
     for (size_t k = 0; k < timed->count; k++) marked.fired[pixel_of(timed->tile, &timed->events[k])] = 1;
     mark_all(timed, most_rounding(timing, timed->signals->S1, timed->tile->count), &marked);
@@ -409,16 +407,16 @@ void td_timing_add_turns(td_timing *timing, const td_timed *timed) {
     for (size_t k = 0; (k = td_next_mark(marked.ends, k, pixels)) < pixels; k++) add_end(timing, timed, (int32_t)k);
 }
 
-/* Margins in standard errors of a share, as many as make honest percentiles of few events. Estimates of all events: with 0.5
- * they leave p99 too small in 1 of 200 scenes. A measured sample has no other reserve: with 0.75 one of three percentiles was
- * too small in 2 of 54 scenes of tests/oracle, with 2.5 none in 108. */
+/* Margins in standard errors of a share: as many as keep percentiles of few events from being too small. For estimates of all
+ * events: with 0.5 p99 was too small in 1 of 200 scenes. A measured sample has no other reserve: with 0.75 one of three
+ * percentiles was too small in 2 of 54 scenes of tests/oracle, with 2.5 none in 108. */
 static const double margin = 0.75, margin_of_sample = 2.5;
 
 double td_timing_percentile(const td_timing *timing, double share) {
     double total = 0, passed = 0;
     for (int k = 0; k < TD_TIMING_BINS; k++) total += timing->weight[k];
     const int is_sample = timing->squares > 0;
-    const double events = is_sample ? total * total / timing->squares : total; /* that say as much, were each for itself */
+    const double events = is_sample ? total * total / timing->squares : total; /* the effective number of independent events */
     if (total > 0) share = td_lesser(share + (is_sample ? margin_of_sample : margin) * sqrt(share * (1 - share) / events), 1);
     for (int k = 0; k < TD_TIMING_BINS && total > 0; k++) {
         double weight = timing->weight[k];

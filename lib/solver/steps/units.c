@@ -1,5 +1,5 @@
-/* Units and their samples: how an image is divided into what has steps of its own, and what is asked for of it, at times, as
- * jobs of the renderer. For whatever renders in a run (fixed.c, sweep.c, refine.c); what becomes of the planes is theirs. */
+/* Units and their samples: divides an image into the units that have steps of their own, and renders units at times as jobs of
+ * the renderer. */
 #include "solver/td_simulator.h"
 
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 
 static double smaller(double a, double b) { return a < b ? a : b; }
 
-/* Adds the unit with its upper left pixel at (x0, y0), cut to the image; none where it lies outside. */
+/* Adds the unit with its upper left pixel at (x0, y0), cut to the image. A unit outside of the image isn't added. */
 static void add_unit(tides_simulator *s, int x0, int y0, int side) {
     if (x0 >= s->layout.width || y0 >= s->layout.height) return;
     const int width = (int)smaller(side, s->layout.width - x0), height = (int)smaller(side, s->layout.height - y0);
@@ -37,7 +37,7 @@ int32_t td_units_tile(const tides_simulator *s, int32_t unit) {
     return at->y0 / TD_TILE * td_renderer_tiles_across(s->renderer) + at->x0 / TD_TILE;
 }
 
-/* Which block of its tile a unit is. */
+/* The number of a unit within its tile, row by row. */
 static int block_of(const tides_simulator *s, int32_t unit) {
     const td_tile *at = &s->layout.tile[unit];
     return at->y0 % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + at->x0 % TD_TILE / TD_BLOCK;
@@ -70,7 +70,7 @@ tides_status td_launch_add(td_launch *l, int32_t unit, double time, int32_t samp
     return status;
 }
 
-/* Where a time is in the table, or is to be. */
+/* The place of a time in the hash table, or the free place for it. */
 static size_t place_of(const td_launch *l, double time) {
     uint64_t bits;
     memcpy(&bits, &time, sizeof bits);
@@ -80,7 +80,7 @@ static size_t place_of(const td_launch *l, double time) {
     return at;
 }
 
-/* An empty table of `size` places, then with the times that there are. */
+/* Makes the table anew with `size` places, and enters all times. */
 static tides_status renew_table(td_launch *l, size_t size, tides_error *error) {
     tides_status status = td_reserve((void **)&l->table, &l->table_capacity, size, sizeof *l->table, error);
     if (status != TIDES_OK) return status;
@@ -109,8 +109,8 @@ static tides_status find_slot(td_launch *l, double time, int32_t *slot, tides_er
     return TIDES_OK;
 }
 
-/* The request that an ask joins, a new one where the last of its time is of another tile: units of a tile come one after the
- * other. */
+/* The request that an ask joins: a new one, unless the last request of its time is for the same tile. Units of a tile are asked
+ * for one after the other. */
 static tides_status join_request(const tides_simulator *s, td_launch *l, const td_ask *ask, int32_t *place,
                                  tides_error *error) {
     int32_t slot, tile = td_units_tile(s, ask->unit);
@@ -127,7 +127,7 @@ static tides_status join_request(const tides_simulator *s, td_launch *l, const t
     return TIDES_OK;
 }
 
-/* Requests for asks from number `first` on, `most` at most. */
+/* Makes requests for asks from number `first` on, `most` at most. */
 static tides_status gather(const tides_simulator *s, td_launch *l, size_t first, size_t most, tides_error *error) {
     l->first = first;
     l->done = l->slots = l->requests = 0;
@@ -152,14 +152,14 @@ tides_status td_launch_render(tides_simulator *s, size_t first, size_t most, int
     return td_renderer_tiles(s->renderer, s->camera, &batch, l->planes, error);
 }
 
-/* Asks that are taken, from number `first` on. */
+/* Rendered asks that are to be taken, from number `first` on. */
 typedef struct taking {
     td_launch_taker take;
     const void *user;
     size_t first, count;
 } taking;
 
-/* The first ask from number k on that begins a unit: those of one are taken by one thread. */
+/* The first ask from number k on that begins a unit: one thread takes all asks of a unit. */
 static size_t begins_unit(const td_launch *l, const taking *all, int k) {
     size_t i = all->first + (size_t)k;
     while (k > 0 && i < all->first + all->count && l->ask[i].unit == l->ask[i - 1].unit) i++;
@@ -176,7 +176,7 @@ static tides_status take_some(tides_simulator *s, td_portion *portion, int first
     return TIDES_OK;
 }
 
-/* Takes what was rendered last: as far as units ascend together, so that each has all its asks in one place. */
+/* Takes what was rendered last, in runs of asks in which units ascend, so that all asks of a unit in a run are neighbours. */
 static tides_status take_rendered(tides_simulator *s, td_launch_taker take, const void *user, tides_error *error) {
     enum { FEWEST = 16 };
     const td_launch *l = &s->launch;

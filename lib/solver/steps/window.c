@@ -1,10 +1,9 @@
-/* Chooses the open steps that are refined next: all, or where their samples would be too many, the earliest. For refine.c; it
- * counts samples, and judges no step. */
+/* Chooses the open steps that are refined next: all, or where their samples would need too much memory, the earliest. */
 #include "solver/td_simulator.h"
 
 #include <stdlib.h>
 
-/* An open step and where it is. */
+/* An open step, its start and its tile. */
 typedef struct place {
     uint32_t from;
     int32_t tile, step;
@@ -19,8 +18,8 @@ static int by_place(const void *a, const void *b) {
 void td_refine_bound(tides_simulator *s) {
     td_refine *r = &s->refine;
     const double bytes = (double)s->given.memory_mb * 1e6;
-    /* Half of it is samples with their steps, a quarter a launch's planes, in double here and in float at the device; a quarter
-     * is for what a launch keeps besides. */
+    /* Half of memory_mb is for samples and their steps. A quarter is for a launch's planes, in double here and in float on the
+     * device. A quarter is for the launch's other buffers. */
     const double sample = (double)(td_sample_reals(&r->samples) * sizeof(double) + 2 * sizeof(td_refine_step));
     const double launched = (double)s->given.outputs * TD_TILE_PIXELS * (sizeof(double) + sizeof(float));
     r->limit = (size_t)(0.5 * bytes / sample);
@@ -28,8 +27,8 @@ void td_refine_bound(tides_simulator *s) {
     if (r->batch < 1) r->batch = 1;
 }
 
-/* A unit's samples: at both ends of the macro step, inside, and one where it is cut again. Most that are cut at all need more,
- * but most aren't. */
+/* Samples per unit: at both ends of the macro step, inside, and at one further cut. Units that are cut further need more, but
+ * most aren't. */
 enum { SAMPLES_A_UNIT = 4 };
 
 int td_window_units(const tides_simulator *s) {
@@ -38,19 +37,19 @@ int td_window_units(const tides_simulator *s) {
     return units < 1 ? 1 : (int)units;
 }
 
-/* Steps that a launch may take where the earliest are taken first: so few that those which come of them, level by level down to
- * the shortest, find room too. An eighth of the moving tiles may always: over some 14 levels that is two samples a tile more,
- * and with one step at a time an image whose tiles alone need more than the bound (8192x8192 and 256 MB) took hours. */
+/* Steps that a launch may take where the earliest are taken first: so few that all parts of them, level by level down to the
+ * shortest, find room too. An eighth of the moving units may always be taken, which over some 14 levels is two samples more per
+ * unit. With one step at a time, an image whose units alone need more than memory_mb (8192x8192 and 256 MB) took hours. */
 static size_t room(const tides_simulator *s, uint32_t longest) {
     const td_refine *r = &s->refine;
     size_t live = td_samples_live(&r->samples), levels = 1, least = (size_t)r->units / 8;
-    for (uint32_t length = longest; length >= 2 * r->shortest; length -= length * 3 / 8) levels++; /* of the longer part */
+    for (uint32_t length = longest; length >= 2 * r->shortest; length -= length * 3 / 8) levels++; /* the longer part */
     size_t left = r->limit > live ? (r->limit - live) / levels : 0;
     return left > least ? left : least;
 }
 
-/* Without `local` all tiles are cut at once, and with a sensor the first cuts are judged before others, which read what was
- * found (td_sensor_estimates_first). */
+/* 1 for steps that can't wait. Without `local` all tiles are cut at once. With some sensors the first cuts of all tiles are
+ * judged before others, which use the errors found there. */
 static int must_take(const tides_simulator *s, const td_refine_step *step, const td_refine_step *last) {
     return (!s->given.local && step->from == last->from) || td_sensor_estimates_first(&s->sensor, step->cuts);
 }

@@ -1,18 +1,19 @@
-/* Chooses the events of a macro step that are measured (solve_sample.c): the first in a random order of pixels and times. The
- * order follows from the events alone, whichever thread finds them first. */
+/* Chooses the events of a macro step that are measured: the first in a random order of pixels and times. The order follows from
+ * the events alone, whichever thread finds them first. */
 #include "td_random.h"
 #include "solver/td_simulator.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Measured in each of a run's first macro steps, and later. A choice: of so many in 30 ms p95 is known to a share of 0.7 %, and
- * the demo's run is 1 % longer; steps of a millisecond pay for few. */
+/* Events measured in each of a run's first macro steps, and in later ones. A choice: with so many in 30 ms p95 is known to 0.7
+ * % of events, and the demo's run takes 1 % longer. For macro steps of a millisecond few are measured, since each step pays for
+ * them. */
 enum { FIRST_STEPS = 4, FEW = 32 };
 
 static size_t wanted(const tides_simulator *s) { return s->step < FIRST_STEPS ? TD_CHOSEN_MOST : FEW; }
 
-/* Pixels that see the same at once must not come one after the other. */
+/* A hash, so that pixels which see the same edge aren't neighbours in the order. */
 static uint64_t order_of(const td_point *point) {
     uint64_t time;
     memcpy(&time, &point->time, sizeof time);
@@ -33,7 +34,7 @@ void td_solve_cut(const tides_simulator *s, td_solve_portion *portion) {
     qsort(portion->sampled, portion->sampled_count, sizeof *portion->sampled, by_order);
     if (portion->sampled_count < wanted(s)) return;
     portion->sampled_count = wanted(s);
-    portion->is_cut = 1; /* the last of them is the bound of those that come */
+    portion->is_cut = 1; /* the last one kept is the bound for later events */
 }
 
 /* Adds an event whose order is set. */

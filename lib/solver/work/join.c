@@ -1,5 +1,4 @@
-/* Joins the results of a portion of the work to the run's: pixels that may do something, requested points, settled events. For
- * share_out.c. */
+/* Joins the results of a portion of the work to the run's: pixels that may do something, requested points, settled events. */
 #include "solver/td_simulator.h"
 
 #include <stdlib.h>
@@ -33,7 +32,7 @@ void td_solve_portion_release(td_solve_portion *portion) {
     *portion = (td_solve_portion){.events = 0};
 }
 
-/* Appends `count` things to a list. */
+/* Appends `some` elements of `size` bytes to a list. */
 static tides_status append(void **list, size_t *count, size_t *capacity, const void *more, size_t some, size_t size,
                            tides_error *error) {
     tides_status status = some > 0 ? td_reserve(list, capacity, *count + some, size, error) : TIDES_OK;

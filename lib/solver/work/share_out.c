@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-/* Portions for each thread: units aren't alike, and a thread that is done with one portion takes the next. */
+/* Portions per thread: units take different times, and a thread that has finished one portion takes the next. */
 enum { PORTIONS_EACH = 4 };
 
 tides_status td_sharing_create(td_sharing *sharing, int threads, tides_error *error) {
@@ -27,8 +27,8 @@ void td_sharing_release(td_sharing *sharing) {
 
 /* -- what came of a portion ------------------------------------------------------------------------------------------------ */
 
-/* Weights are 64ths of events, or stand for measured ones, which are added where nothing is shared out: their sums are exact,
- * in any order. */
+/* Adds timing weights. Estimated events count in 64ths, and measured ones aren't added where work is shared out. So sums are
+ * exact in any order. */
 static void join_timing(td_timing *to, td_timing *timing) {
     for (int k = 0; k < TD_TIMING_BINS; k++) to->weight[k] += timing->weight[k];
     memset(timing->weight, 0, sizeof timing->weight);

@@ -1,10 +1,11 @@
-"""python -m tides.play SCENE: opens the window in a browser, or says its address."""
+"""python -m tides.play SCENE: opens the window in a browser, or prints its address."""
 
 from __future__ import annotations
 
 import argparse
 import asyncio
 import json
+import math
 import sys
 import webbrowser
 from typing import Any
@@ -28,6 +29,7 @@ def options() -> argparse.ArgumentParser:
     made.add_argument("--port", type=int, default=0, help="of the page (any that is free)")
     made.add_argument("--no-browser", action="store_true", help="say the page's address, and open nothing")
     made.add_argument("--alone", type=float, metavar="SECONDS", help="end where no page comes within so long (never)")
+    made.add_argument("--bench", type=int, metavar="N", help="measure N pictures of each way to fly, without a page, and end")
     made.add_argument("--hash", metavar="EVENTS", help="say the hash of an event file, as a recording shows it, and end")
     made.add_argument("--version", action="version", version=f"tides {__version__}")
     return made
@@ -57,22 +59,37 @@ def ready(url: str, opens: bool) -> None:
         webbrowser.open(url)
 
 
-def play(given: argparse.Namespace) -> None:
-    from .server import Server  # which needs websockets
+def kept_text(kept: dict[str, Any]) -> str:
+    lines = "\n".join(f"    {line}" for line in kept["lines"])
+    return f"{kept['events']} events of {kept['seconds']:.3g} s are in {kept['folder']}. To make them again:\n{lines}"
 
-    if not given.rate > 0:
+
+def play(given: argparse.Namespace) -> None:
+    from .bench import bench
+    from .server import Server  # which needs websockets, as bench does
+
+    if not 0 < given.rate < math.inf:
         raise ValueError(f"--rate {given.rate:g}: a number above 0 is needed")
+    if not 0 <= given.port <= 65535:
+        raise ValueError(f"--port {given.port}: must be 0 (any) to 65535")
     set = dict(setting(one) for one in given.set)
     size = size_of(given.size) if given.size else None
-    world = World(given.scene, set, size, given.preset, given.rate, given.out, given.device)
 
-    async def serve() -> None:
-        await Server(world, given.port).run(lambda url: ready(url, not given.no_browser), given.alone)
+    def make() -> World:
+        return World(given.scene, set, size, given.preset, given.rate, given.out, given.device)
 
+    if given.bench is not None:
+        if given.bench < 1:
+            raise ValueError(f"--bench {given.bench}: a number of pictures above 0 is needed")
+        return bench(make, given.bench)
+    world = make()
+    server = Server(world, given.port)
     try:
-        asyncio.run(serve())
+        asyncio.run(server.run(lambda url: ready(url, not given.no_browser), given.alone))
     finally:
         world.close()
+        if server.kept:
+            print(kept_text(server.kept))
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -1,6 +1,6 @@
-"""How keys and mouse fly a camera: a body whose velocities follow what is asked for, so that its path has no corners.
+"""Flies a camera by keys and mouse: a body whose velocities follow the controls smoothly, so that its path has no corners.
 
-The camera has OpenCV's axes: x right, y down, z forward. Angular velocities are in world axes [rad/s], as poses are told."""
+The camera has OpenCV's axes: x right, y down, z forward. Angular velocities are in world axes [rad/s], as in poses."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from ..live import _angular, _quaternion
 from ..trajectory import Pose
 
 FASTEST_TURN = 4.0  # [rad/s]
-KEY_TURN = 0.15  # by a key, or three times that [rad/s]
-MOST_LOOK = 1.0  # [rad] that the mouse may be ahead of the camera
-UPRIGHT = math.cos(math.radians(8))  # how near to straight up or down the camera may look
+KEY_TURN = 0.15  # [rad/s] by a key; with Shift three times that
+MOST_LOOK = 1.0  # [rad] greatest lead of the mouse over the camera
+UPRIGHT = math.cos(math.radians(8))  # limit of looking straight up or down
 
 
 @dataclass
 class Controls:
-    """What a pilot asks for: `move` (3) along the camera's axes and `turn` (3: right, down, clockwise), each -1 to 1; `look` (2)
-    [rad] to the right and down that the mouse went since it was last asked; `fast`; `orbit`: circle about the scene."""
+    """A pilot's controls: `move` (3) along the camera's axes and `turn` (3: right, down, clockwise), each -1 to 1; `look` (2)
+    [rad]: movement of the mouse to the right and down since the last step; `fast`; `orbit`: circle about the scene."""
 
     move: Any = (0.0, 0.0, 0.0)
     turn: Any = (0.0, 0.0, 0.0)
@@ -54,11 +54,11 @@ class Flight:
         self._look = np.zeros(2)
 
     def pose(self) -> tuple[Any, ...]:
-        """As `Live` is told it."""
+        """The camera's pose in the form that `Live` takes."""
         return self.position, _quaternion(self.rotation), self.velocity, self.angular
 
     def step(self, controls: Controls, dt: float, response: float) -> tuple[Any, ...]:
-        """`dt` [s] on; velocities follow what is asked for within `response` [s]."""
+        """Advances by `dt` [s]; velocities follow the controls within `response` [s]."""
         self._look = np.clip(self._look + controls.look, -MOST_LOOK, MOST_LOOK)
         if controls.orbit and controls.idle:
             return self._circle(dt)
@@ -73,7 +73,7 @@ class Flight:
         return self.pose()
 
     def _turning(self, controls: Controls, response: float) -> np.ndarray:
-        """The angular velocity that is asked for: about `up`, the camera's right and its forward axis."""
+        """The angular velocity that the controls ask for: about `up`, the camera's right and its forward axis."""
         rates = self._look / (2 * response)
         self._look = self._look * 0.5
         keys = np.array(controls.turn, float) * KEY_TURN * (3 if controls.fast else 1)
@@ -86,7 +86,7 @@ class Flight:
         return made
 
     def _circle(self, dt: float) -> tuple[Any, ...]:
-        """On a circle about the scene, exactly, so that it comes back to where it was."""
+        """Advances on a circle about the scene, exactly, so that it closes."""
         self.angular = self.orbit_rate * self.up
         turn = rotation(dt * self.angular)
         self.position = self.centre + turn @ (self.position - self.centre)
@@ -97,7 +97,7 @@ class Flight:
 
 
 def _orthonormal(made: np.ndarray) -> np.ndarray:
-    """The rotation nearest to it, which products drift away from."""
+    """The nearest rotation matrix: products of rotations drift away from one."""
     u, _, v = np.linalg.svd(made)
     nearest: np.ndarray = u @ v
     return nearest

@@ -1,7 +1,7 @@
-"""The page's other end: serves page.html on this machine alone, and drives a World as one page asks.
+"""Serves page.html on this machine only, and drives a World as one page asks.
 
-Who may drive it: a page that this server gave (its Origin, and the Host it was asked by) and that knows the token, which is in the
-address's fragment, so that no request and no other page sees it. One page at a time; when it is closed the run ends."""
+Access: only a page served here (by its Origin and Host) that knows the token. The token is in the fragment of the address,
+which browsers send in no request and show to no other page. There is one page at a time; the run ends when it is closed."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ from .world import World
 
 PAGE = Path(__file__).with_name("page.html")
 HOST = "127.0.0.1"
-GRACE_S = 3.0  # a page that is loaded anew comes back within it
-TOKEN_S = 5.0  # within which a page says its token
-EVENT = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "u1"), ("late", "u1")])  # late: share of the picture's time, 0 to 255
-LONGEST_MESSAGE = 4096  # of the page [bytes]
+GRACE_S = 3.0  # time in which a page may be reloaded
+TOKEN_S = 5.0  # time in which a page must send its token
+EVENT = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "u1"), ("late", "u1")])  # late: time within the picture, 0 to 255
+LONGEST_MESSAGE = 4096  # [bytes] of the page's messages
 
 
 def page_headers(page: str) -> list[tuple[str, str]]:
-    """Nothing but the page's own script and style may run, and it may ask nobody but this server."""
+    """Headers: only the page's own script and style may run, and they may connect to this server alone."""
 
     def hashes(tag: str) -> str:
         found = re.findall(rf"<{tag}>(.*?)</{tag}>", page, re.S)
@@ -60,17 +60,17 @@ def page_headers(page: str) -> list[tuple[str, str]]:
 
 
 def packed(facts: dict[str, Any], picture: np.ndarray, events: np.ndarray, start: float, length: float) -> bytes:
-    """One message: the length of a JSON text, that text, RGB, and the events."""
+    """One message: the length of a JSON text, the text, RGB pixels, and the events."""
     rows = np.empty(len(events), EVENT)
     rows["x"], rows["y"], rows["p"] = events["x"], events["y"], events["p"] > 0
     rows["late"] = np.clip((1e-9 * events["t"] - start) / length * 255, 0, 255)
     text = json.dumps(facts).encode()
-    text += b" " * (-(4 + len(text) + picture.size) % 2)  # an array of 16 bits begins at an even byte
+    text += b" " * (-(4 + len(text) + picture.size) % 2)  # an array of 16-bit numbers must begin at an even byte
     return struct.pack("<I", len(text)) + text + picture.tobytes() + rows.tobytes()
 
 
 def controls_of(message: dict[str, Any]) -> Controls:
-    """A page's JSON, believed no further than its numbers."""
+    """Controls from a page's JSON, of which only valid numbers are used."""
 
     def numbers(name: str, count: int, most: float) -> tuple[float, ...]:
         given = message.get(name, [0] * count)
@@ -85,7 +85,7 @@ def controls_of(message: dict[str, Any]) -> Controls:
 
 
 class Server:
-    """Serves one World. `url` has the token; `run` returns when the page was closed."""
+    """Serves one World. `url` has the token; `run` returns when the page is closed."""
 
     def __init__(self, world: World, port: int = 0):
         self.world, self.token = world, secrets.token_urlsafe(24)
@@ -93,8 +93,9 @@ class Server:
         self._controls, self._requests = Controls(), []  # type: tuple[Controls, list[dict[str, Any]]]
         self._driver: ServerConnection | None = None
         self._left, self._ended = asyncio.Event(), asyncio.Event()
-        self._worker = ThreadPoolExecutor(1)  # the engine's: one object, one thread
+        self._worker = ThreadPoolExecutor(1)  # the engine's single thread
         self.port = 0
+        self.kept: dict[str, Any] | None = None  # of a recording that ended with the run
 
     @property
     def origins(self) -> list[str]:
@@ -106,25 +107,27 @@ class Server:
 
     async def run(self, ready: Any = None, alone_s: float | None = None) -> None:
         """Until the page is closed. `ready` is called with the address; where no page comes within `alone_s`, it ends too."""
-        async with serve(
-            self._handle, HOST, self._wanted, process_request=self._request, max_size=LONGEST_MESSAGE, compression=None,
-            server_header=None,
-        ) as server:  # fmt: skip
-            self.port = next(iter(server.sockets)).getsockname()[1]
-            if ready:
-                ready(self.url)
-            if alone_s is not None:
-                asyncio.get_running_loop().call_later(alone_s, lambda: self._driver or self._ended.set())
-            await self._ended.wait()
-        await self._call(self.world.close)
-        self._worker.shutdown()
+        try:
+            async with serve(
+                self._handle, HOST, self._wanted, process_request=self._request, max_size=LONGEST_MESSAGE, compression=None,
+                server_header=None,
+            ) as server:  # fmt: skip
+                self.port = next(iter(server.sockets)).getsockname()[1]
+                if ready:
+                    ready(self.url)
+                if alone_s is not None:
+                    asyncio.get_running_loop().call_later(alone_s, lambda: self._driver or self._ended.set())
+                await self._ended.wait()
+        finally:  # of Ctrl-C, too: behind the step that is on its way, whose events a recording has
+            self.kept = await self._call(self.world.close)
+            self._worker.shutdown()
 
     async def _call(self, function: Any, *arguments: Any) -> Any:
         return await asyncio.get_running_loop().run_in_executor(self._worker, function, *arguments)
 
     # -- requests ---------------------------------------------------------------------------------------------------
     def _request(self, connection: ServerConnection, request: Request) -> Response | None:
-        """The page, or None for a WebSocket that may be opened."""
+        """Answers a request: the page, or None for a WebSocket that may be opened."""
         hosts = [origin.removeprefix("http://") for origin in self.origins]
         if request.headers.get_all("Host") not in [[host] for host in hosts]:
             return _answer(HTTPStatus.MISDIRECTED_REQUEST, "this is a window of TIDES on another machine's screen\n")
@@ -170,13 +173,13 @@ class Server:
                 return
             self._controls = controls_of(message)
         except ValueError:
-            self._requests.append({"do": str(text)[:80]})  # which is refused, and said
+            self._requests.append({"do": str(text)[:80]})  # an unknown request is refused with a message
             return
         self._controls.look = tuple(a + b for a, b in zip(before, self._controls.look))
 
     # -- pictures ---------------------------------------------------------------------------------------------------
     async def _fly(self, socket: ServerConnection) -> None:
-        """Picture after picture, at the world's rate or as fast as it goes."""
+        """Sends picture after picture, at the world's rate or as fast as possible."""
         lens = self.world.intrinsics
         hello = {"width": lens.width, "height": lens.height, "name": self.world.name, "presets": self.world.presets}
         try:
@@ -200,7 +203,7 @@ class Server:
         return taken
 
     def _do(self, request: dict[str, Any]) -> dict[str, Any]:
-        """What a button or a slider asks for; a refusal is said on the page."""
+        """Does what a button or a slider asks for; the page shows a refusal."""
         world = self.world
         try:
             if request["do"] == "change":

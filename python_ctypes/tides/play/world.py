@@ -1,4 +1,5 @@
-"""The live run behind the page: opened anew where a slider changes the run, stepped once for each picture, recorded on request."""
+"""The live run behind the page: opened again when a slider changes the run, stepped once for each picture, and recorded on
+request."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ import os
 import shlex
 import tempfile
 import time
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -18,19 +20,20 @@ from ..events import EVENT, EventReader, EventWriter
 from ..image import picture_rgb
 from ..live import Live, _angular, _quaternion
 from ..presets import preset, preset_names
+from ..render import Renderer
 from ..run import Run, parameters
 from ..session import Session
 from ..trajectory import Camera, Pose, Trajectory
 from .flight import Controls, Flight
 
-ORBIT_S = 12.0  # of a turn about the scene [s]
-SLOWEST = 0.01  # of time
-TOLERANCE = 0.3  # [thresholds]; events are looked up on the image all the same
-FLIGHT = 0.12  # of distances to the scene's middle a second, without Shift: some 2 px from picture to picture
-RESPONSE_S = 0.12  # of the camera to keys, on the clock on the wall
-LONGEST_S = 1e5  # that a flight lasts where nothing in the scene ends before
+ORBIT_S = 12.0  # [s] of a turn about the scene
+SLOWEST = 0.01  # slowest speed of time
+TOLERANCE = 0.3  # [thresholds]; a large one is enough, since events are looked up on the image
+FLIGHT = 0.12  # speed without Shift, in distances to the scene's middle per second: some 2 px per picture
+RESPONSE_S = 0.12  # of the camera to keys, in real time
+LONGEST_S = 1e5  # of a flight if nothing in the scene ends before
 
-#: What the page says of a preset: key of the run file, what it is, its unit, and the factor to that unit.
+# #: Rows of a preset on the page: key of the run file, name, unit, and the factor to that unit.
 ROWS = [
     ("sensor.threshold_on", "threshold ON", "", 1),
     ("sensor.threshold_off", "threshold OFF", "", 1),
@@ -58,24 +61,35 @@ def event_hash(file: str | os.PathLike[str]) -> str:
     return made.hexdigest()
 
 
+def _run_file(path: Path) -> dict[str, Any]:
+    try:
+        text = json.loads(path.read_text())
+    except ValueError as error:
+        raise ValueError(f"{path}: is no run file: {error}") from None
+    if not isinstance(text, dict):
+        raise ValueError(f"{path}: is no run file: it isn't an object, {{..}}")
+    return text
+
+
 def run_text(source: str | os.PathLike[str], size: tuple[int, int] | None = None) -> tuple[dict[str, Any], str]:
-    """What to run, and the folder that its paths are relative to: a run file as it is, or a scene, seen from an orbit."""
+    """The run file for a source and the folder that its paths are relative to: a run file unchanged, or a scene, seen from an
+    orbit."""
     if os.fspath(source).endswith(".json"):
-        text, folder = json.loads(Path(source).read_text()), os.path.dirname(os.path.abspath(source))
+        text, folder = _run_file(Path(source)), os.path.dirname(os.path.abspath(source))
     else:
         text, folder = {"scene": {"file": os.path.abspath(source)}, "camera": {"orbit_s": ORBIT_S}}, os.getcwd()
         size = size or (240, 180)
     if size:
         text.setdefault("camera", {}).update(width=size[0], height=size[1])
     times = text.setdefault("time", {})
-    times.setdefault("stop", times.setdefault("start", 0.0) + 0.1)
+    times.setdefault("stop", times.setdefault("start", 0.0) + 1e-3)  # a run has some; how long a flight is the scene says
     for key, value in (("tolerance", TOLERANCE), ("unit", "block")):  # blocks: a third less than tiles where a step is long
         text.setdefault("stepping", {}).setdefault(key, value)
     return text, folder
 
 
 def _absolute(text: dict[str, Any], folder: str) -> dict[str, Any]:
-    """A run file that may lie anywhere: paths in it made whole."""
+    """The run file with absolute paths, so that it may lie anywhere."""
     text = json.loads(json.dumps(text))
     for row in parameters():
         group, _, name = row.key.rpartition(".")
@@ -88,18 +102,16 @@ def _absolute(text: dict[str, Any], folder: str) -> dict[str, Any]:
     return text
 
 
-def _axis_of(pose: Pose, distance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Centre and axis to circle about: of the run's own orbit, else what is in the middle of the view, upright."""
+def _circle_of(pose: Pose) -> tuple[np.ndarray, np.ndarray, float]:
+    """Centre, axis and rate [rad/s] of the circle that a camera is on."""
     turning, upright = _angular(pose), -pose.rotation[:, 1]
-    rate = float(turning @ turning)
-    if rate > 1e-12:
-        return pose.position + np.cross(turning, pose.position_dot) / rate, math.copysign(1, turning @ upright) * turning
-    return pose.position + distance * pose.rotation[:, 2], upright
+    rate = float(np.linalg.norm(turning))
+    return pose.position + np.cross(turning, pose.position_dot) / rate**2, math.copysign(1, turning @ upright) * turning, rate
 
 
 class World:
-    """A scene with a camera that is flown. `picture` goes one picture on; `change` sets what the sliders say; `record` begins a
-    recording and `keep` ends it. `rate` [1/s] of pictures; `out`: where recordings go."""
+    """A scene with a camera that is flown. `picture` advances by one picture; `change` sets the sliders' values; `record`
+    begins a recording and `keep` ends it. `rate` [1/s] of pictures; `out`: folder of recordings."""
 
     def __init__(
         self,
@@ -120,15 +132,28 @@ class World:
         self._text = self._start(text, folder, set)
         self._session = Session(Run(text=self._text), None, device)
         self.intrinsics = self._session.intrinsics
-        self._renderer = self._session.renderer()
+        # A device of its own: calls on objects of one device wait for each other, and pictures are drawn beside steps.
+        scene, camera = self._session.scene, self._session.camera
+        assert scene is not None and camera is not None  # frames have been refused
+        self._renderer = Renderer(scene, camera, self._session.values.image, self._spec(device))
+        self._painter = ThreadPoolExecutor(1)
         self.preset = self._text["sensor"]["preset"]
+        if self._end - self._begin < 1 / rate:
+            raise ValueError(
+                f"{self.name}: its motion lasts {self._end - self._begin:g} s from the run's start on, and a picture {1 / rate:.3g} s: "
+                f"more pictures a second show it (--rate {math.ceil(2 / max(self._end - self._begin, 1e-6))})"
+            )
         self._live: Live | None = None
         self._recording: Recording | None = None
         self.flight = self._pilot()
         self._open(self._begin)
+        self._drawn = self._draw(self._begin, self.flight.pose())
+
+    def _spec(self, device: Any) -> Any:
+        return self._text["device"] if device is None and self._text["device"] != "auto" else device
 
     def _start(self, text: dict[str, Any], folder: str, set: dict[str, Any] | None) -> dict[str, Any]:
-        """The run file with `set` in it, and a camera that stands where the run's begins: its path is told from there on."""
+        """The run file with `set`, and an open camera path that begins at the run's first pose."""
         for key, value in (set or {}).items():
             group, _, name = key.rpartition(".")
             (text.setdefault(group, {}) if group else text)[name] = value
@@ -136,6 +161,7 @@ class World:
             scene, camera = run.open()
             self._begin, text["device"] = run.values.start, run.values.device
             self._end = min(self._begin + LONGEST_S, scene.range[1])
+            self._orbits = json.loads(run.values.json)["camera"]["orbit_s"] is not None
             self._first = camera.trajectory.at(self._begin)
             still = Trajectory.static(self._first.position, _quaternion(self._first.rotation))
             Camera(still, camera.intrinsics).save(os.path.join(self._folder.name, "start.json"))
@@ -146,26 +172,28 @@ class World:
         return made
 
     def _pilot(self) -> Flight:
-        depth = self._renderer.truth(self._begin, ["depth"])["depth"]
+        """It circles as the run's own orbit does, else, upright, about what is in the middle of the view."""
+        depth, first = self._renderer.truth(self._begin, ["depth"])["depth"], self._first
         seen = depth[np.isfinite(depth)]
         distance = float(np.median(seen)) if len(seen) else 1.0
-        centre, up = _axis_of(self._first, distance)
-        reach = float(np.linalg.norm(self._first.position - centre)) or distance
-        own = float(np.linalg.norm(_angular(self._first)))
-        return Flight(self._first, centre, up, FLIGHT * reach, own if own > 1e-6 else 2 * math.pi / ORBIT_S)
+        centre, up, rate = first.position + distance * first.rotation[:, 2], -first.rotation[:, 1], 2 * math.pi / ORBIT_S
+        if self._orbits:
+            centre, up, rate = _circle_of(first)
+        reach = float(np.linalg.norm(first.position - centre)) or distance
+        return Flight(first, centre, up, FLIGHT * reach, rate)
 
     # -- the run ----------------------------------------------------------------------------------------------------
     @property
     def presets(self) -> list[str]:
-        """What `change` takes: the names, and a file of the run's own."""
+        """Names for `change`: the library's presets, and the run's own preset file."""
         own = self._text["sensor"]["preset"]
         return preset_names() + ([] if own in preset_names() else [own])
 
     def _settings(self, start: float) -> dict[str, Any]:
-        """What the sliders say, as keys of the run file."""
+        """The sliders' values as keys of the run file."""
         made: dict[str, Any] = {"time.start": start, "time.stop": self._end, "stepping.step_s": self.speed / self.rate}
         if self.preset != self._text["sensor"]["preset"]:
-            made["sensor.preset"] = self.preset  # which then wins over the run file's own values
+            made["sensor.preset"] = self.preset  # it overrides the run file's own values
         if self.factor != 1:
             nominal = self._session.vary(made).values.sensor
             made["sensor.threshold_on"] = self.factor * nominal.threshold_on
@@ -173,7 +201,7 @@ class World:
         return made
 
     def _open(self, start: float, keep: bool = False) -> None:
-        """A new live run from here on, as the sliders say."""
+        """Opens a new live run from `start` on, with the sliders' values."""
         session = self._session.vary(self._settings(start))
         live = Live(session, keep=keep)
         live.tell(self.flight.pose(), start)
@@ -187,8 +215,8 @@ class World:
         return self._live
 
     def change(self, threshold: float | None = None, preset: str | None = None, speed: float | None = None) -> None:
-        """`threshold`: what the preset's thresholds are multiplied by; `speed` of time, SLOWEST to 1. Each begins a new run from
-        here; while one is recorded, it is refused."""
+        """`threshold`: factor of the preset's thresholds; `speed` of time, SLOWEST to 1. Each begins a new run at the present
+        pose, and is refused during a recording."""
         if self._recording:
             raise ValueError("a recording has one preset, threshold and speed of time: stop it first")
         before = self.factor, self.preset, self.speed
@@ -209,25 +237,33 @@ class World:
         return self.live.time + self.speed / self.rate > self._end
 
     def step(self, controls: Controls) -> np.ndarray:
-        """The events of one picture's time. Where the scene's own motion ends, it begins again; a recording holds still there."""
+        """The events of one picture's time. Where the scene's own motion ends, it begins again; a recording holds still there.
+        The picture at its end is drawn meanwhile: the pose is known before the events are."""
         dt = self.speed / self.rate
         if self.at_end and self._recording:
             return np.empty(0, EVENT)
         if self.at_end:
             self._open(self._begin)
-        events = self.live.step(self.flight.step(controls, dt, RESPONSE_S * self.speed), dt)
+        pose = self.flight.step(controls, dt, RESPONSE_S * self.speed)
+        self._drawn = self._draw(self.live.time + dt, pose)
+        events = self.live.step(pose, dt)
         if self._recording:
             self._recording.append(events)
         return events
 
+    def _draw(self, time: float, pose: tuple[Any, ...]) -> Future[np.ndarray]:
+        def draw() -> np.ndarray:
+            frame = self._renderer.frame(time, "RGB", Trajectory.static(pose[0], pose[1]))
+            return picture_rgb(frame["R"], frame["G"], frame["B"])
+
+        return self._painter.submit(draw)
+
     def picture(self) -> np.ndarray:
-        """What the camera sees now, uint8 (height x width x 3)."""
-        position, quaternion, *_ = self.flight.pose()
-        frame = self._renderer.frame(self.live.time, "RGB", Trajectory.static(position, quaternion))
-        return picture_rgb(frame["R"], frame["G"], frame["B"])
+        """What the camera sees where the last step ended, uint8 (height x width x 3)."""
+        return self._drawn.result()
 
     def says(self) -> dict[str, Any]:
-        """What the preset does: its sentence, and rows of (what, value, unit, how it is known)."""
+        """Facts of the preset: its sentence, and rows of (name, value, unit, source)."""
         told, text = _told(self.preset), json.loads(self._varied.values.json)
         rows = []
         for key, what, unit, factor in ROWS:
@@ -246,14 +282,14 @@ class World:
         return self._recording is not None
 
     def record(self) -> None:
-        """Begins a recording, which is a run of its own from here on."""
+        """Begins a recording, a new run from the present pose on."""
         if self._recording:
             raise ValueError("it is recorded already")
         self._open(self.live.time, keep=True)
         self._recording = Recording(self)
 
     def keep(self) -> dict[str, Any]:
-        """Ends the recording: its folder, how many events, their hash, and the lines that make them again."""
+        """Ends the recording. Returns its folder, the number of events, their hash, and commands that make them again."""
         if not self._recording:
             raise ValueError("nothing is recorded")
         recording, self._recording = self._recording, None
@@ -261,13 +297,19 @@ class World:
         self._open(self.live.time)
         return made
 
-    def close(self) -> None:
-        if self._recording:
-            self._recording.finish()
-            self._recording = None
+    def close(self) -> dict[str, Any] | None:
+        """Ends the run, and a recording as `keep` does."""
+        recording, self._recording = self._recording, None
+        try:
+            return recording.finish() if recording else None
+        finally:
+            self._end_run()
+
+    def _end_run(self) -> None:
         if self._live:
             self._live.close()
             self._live = None
+        self._painter.shutdown()
         self._folder.cleanup()
 
 
@@ -278,7 +320,7 @@ class Recording:
         self._world, self._live, self.start = world, world.live, world.live.time
         self.folder = _new_folder(world.out)
         lens, values = world.intrinsics, self._live.session.values
-        self.run = json.loads(values.json)  # every key with its value, so that neither preset nor default decides
+        self.run = json.loads(values.json)  # every key with its value, so that neither preset nor default matters
         self._writer = EventWriter(self.folder / "events.h5", lens.width, lens.height, run=values.json, seed=values.seed)
 
     def append(self, events: np.ndarray) -> None:
@@ -312,7 +354,7 @@ def _new_folder(out: Path) -> Path:
 
 
 def _told(name: str) -> dict[str, Any]:
-    """A preset's file: of a name, or at a path."""
+    """The content of a preset file, by name or path."""
     return dict(json.loads(Path(name).read_text())) if name.endswith(".json") else preset(name)
 
 

@@ -1,5 +1,4 @@
-/* From the times of frames to rows: medians over rounds, rates of what was done, ratios round by round; and the targets that
- * are about frames. */
+/* Makes rows from the times of frames: medians over rounds, rates, ratios round by round; and the targets about frames. */
 #include "bench_targets.h"
 #include "bench_throughput.h"
 

@@ -1,5 +1,5 @@
-/* The stages of a frame are timed by the renderer itself; what is left of the frame's time is `other`. Makers take turns within
- * each round, so that what slows the machine slows all of them, and figures are medians over rounds, of ratios too. */
+/* Times frames. The renderer times its stages itself; the rest of a frame's time is `other`. Makers take turns within each
+ * round, so that other load affects all of them, and results are medians over rounds, of ratios too. */
 #include "bench_frames.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Frames of one scene at one size, stage by stage, the rules and the limit in turns (bench_frames.c). */
+/* Frames of one scene at one size, stage by stage, by each of the image rules and by the limit in turns. */
 #ifndef CLI_BENCH_FRAMES_H
 #define CLI_BENCH_FRAMES_H
 

@@ -1,15 +1,15 @@
-/* tides bench image: what each measure that makes 3DGS continuous in time is worth and costs. Each image is measured against
- * its own exact events: at equal steps, where a jump misplaces events, and under error control, where it costs renders. An
- * image is one line of the table.
+/* tides bench image: the value and the cost of each measure that makes 3DGS continuous in time. Each image is compared with its
+ * own exact events: at equal steps, where a jump misplaces events, and under error control, where it costs renders. An image is
+ * one line of the table.
  *
- *   smooth            all measures, as they are by default
+ *   smooth            all measures, as by default
  *   hard_*            smooth without one of them
  *   taper_* .. fade_* smooth with another size of one of them
  *   only_*            inria with one of them
  *   inria             none
  *
- * Of a jump's size, J = |L1 - L0 - h (L0_dot + L1_dot) / 2| between neighbouring samples, the share that a measure removes is
- * what its absence adds to smooth (bench_jumps.c). */
+ * The size of a jump is J = |L1 - L0 - h (L0_dot + L1_dot) / 2| between neighbouring samples. The share of it that a measure
+ * removes is the share that its absence adds to smooth. */
 #include "bench_image.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* What the measures that make the image continuous in time are worth. */
+/* The value of the measures that make the image continuous in time. */
 #ifndef TESTS_BENCH_IMAGE_H
 #define TESTS_BENCH_IMAGE_H
 

@@ -1,4 +1,4 @@
-/* How often and how far L jumps in an image, how far its colours are from inria's, and what a frame costs. */
+/* Measures how often and how far L jumps in an image, the distance of its colours from inria's, and the cost of a frame. */
 #include "bench_image.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* The limit's object is opened beside the tool, and given scenes as it wants them: Gaussians as they are, and for each object
- * what takes it to the camera, with its rate. */
+/* Opens the limit, a shared object beside the tool that renders in plain C, and converts scenes for it: Gaussians unchanged,
+ * and for each object the map to the camera with its rate. */
 #include "bench_limit.h"
 
 #include <dlfcn.h>

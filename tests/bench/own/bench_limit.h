@@ -1,4 +1,4 @@
-/* A scene in the limit's hands (limit/limit.h): opened where it is, and run on the machine that it was made for. */
+/* A scene rendered by the limit, plain C made for this machine (limit/limit.h), where that is installed. */
 #ifndef CLI_BENCH_LIMIT_H
 #define CLI_BENCH_LIMIT_H
 

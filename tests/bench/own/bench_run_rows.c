@@ -1,4 +1,4 @@
-/* Where the time of a run goes: rows of every part that tides_stats tells, of runs whose events are looked up, with blocks. */
+/* Rows on the time of a run: every part that tides_stats lists, for runs with look-ups and blocks. */
 #include "bench_throughput.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* tides bench scaling: how cost grows with what a scene has. Points are measured in processes of their own; exponents are
- * fitted to processor time, which others on the machine hardly lengthen, and targets are about those and about shares of it. */
+/* tides bench scaling: growth of cost with the size of a scene. Points are measured in processes of their own. Exponents are
+ * fitted to processor time, which other load hardly affects, and targets are about exponents and about shares of time. */
 #include "bench_scaling.h"
 #include "bench_stability.h"
 #include "bench_targets.h"
@@ -49,12 +49,14 @@ static void do_errand(void *user, void *result) {
 
 static tides_status measure_point(bench *b, const scaling_axis *axis, double x, scaling_result *r, tides_error *error) {
     errand e = {b, axis, x};
-    int32_t how, signal;
-    tides_status status = bench_child(b, do_errand, &e, r, sizeof *r, LIMIT_S, &how, &signal, error);
+    bench_ending ending;
+    tides_status status = bench_child(b, do_errand, &e, r, sizeof *r, LIMIT_S, &ending, error);
     if (status != TIDES_OK) return status;
-    if (how == BENCH_STOPPED) return cli_error(error, TIDES_CANCELLED, "stopped on request");
-    if (how == BENCH_LATE) return cli_error(error, TIDES_CANCELLED, "%s %g: took longer than %g s", axis->name, x, LIMIT_S);
-    if (how != BENCH_RAN) return cli_error(error, TIDES_BAD_ARGUMENT, "%s %g: died of signal %d", axis->name, x, (int)signal);
+    if (ending.how == BENCH_STOPPED) return cli_error(error, TIDES_CANCELLED, "stopped on request");
+    if (ending.how == BENCH_LATE)
+        return cli_error(error, TIDES_CANCELLED, "%s %g: took longer than %g s", axis->name, x, LIMIT_S);
+    if (ending.how != BENCH_RAN)
+        return cli_error(error, TIDES_BAD_ARGUMENT, "%s %g: died of signal %d", axis->name, x, (int)ending.signal);
     if (r->failed) return cli_error(error, TIDES_BAD_ARGUMENT, "%s %g: %s", axis->name, x, r->said);
     bench_say(b, "%-13s %9.6g %-14s %9.4g s %9.4g s of processors  %9.6g events %8.4g renders  %6.4g MB", axis->name, r->x,
               axis->unit, r->time_s, r->processor_s, (double)r->stats.events, r->stats.renders_full_frame_equivalent,
@@ -272,10 +274,11 @@ static void describe_device(void *user, void *result) {
 /* Asked in a process of its own too: whoever comes next may start others. */
 static tides_status ask_device(bench *b, tides_error *error) {
     described d;
-    int32_t how, signal;
-    tides_status status = bench_child(b, describe_device, b, &d, sizeof d, LIMIT_S, &how, &signal, error);
+    bench_ending ending;
+    tides_status status = bench_child(b, describe_device, b, &d, sizeof d, LIMIT_S, &ending, error);
     if (status != TIDES_OK) return status;
-    if (how != BENCH_RAN) return cli_error(error, TIDES_NO_DEVICE, "the process that asks for the device didn't end well");
+    if (ending.how != BENCH_RAN)
+        return cli_error(error, TIDES_NO_DEVICE, "the process that asks for the device didn't end well");
     b->info = d.info;
     if (d.error.status != TIDES_OK) *error = d.error;
     return d.error.status;

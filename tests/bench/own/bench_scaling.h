@@ -1,4 +1,4 @@
-/* How cost grows: axes, their points, and what each point took (tides bench scaling). */
+/* Growth of cost: axes, their points, and the measurements of each point (tides bench scaling). */
 #ifndef CLI_BENCH_SCALING_H
 #define CLI_BENCH_SCALING_H
 

@@ -1,4 +1,4 @@
-/* The axes of `tides bench scaling`, and the worlds along them: one number grows, the rest stays as it is. */
+/* The axes of `tides bench scaling`, and the worlds along them: one number grows, and the others stay. */
 #include "bench_scaling.h"
 #include "bench_worlds.h"
 

@@ -1,4 +1,4 @@
-/* The picture of how cost grows: a panel for each axis, the points and the line that was fitted to them. */
+/* The picture of growth of cost: a panel for each axis, with points and the fitted line. */
 #include "bench_scaling.h"
 #include "plot.h"
 

@@ -1,5 +1,5 @@
-/* A point of an axis: its world made, its frames or its run timed, in a process of its own so that threads and memory are
- * too. */
+/* Measures a point of an axis: makes its world, and times its frames or its run. Each has a process of its own, so that threads
+ * and memory are its own. */
 #define _GNU_SOURCE /* sched_setaffinity */
 #include "bench_scaling.h"
 

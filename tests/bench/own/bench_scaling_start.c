@@ -1,6 +1,6 @@
-/* What someone waits for: from opening the device to the first event of a small scene. With kernels in the driver's cache it is
- * measured in several processes, the first of which may fill it; without, once, with PoCL's cache in a folder of its own that
- * is removed afterwards. What the operating system takes to load the tool isn't in it. */
+/* The time that a user waits: from opening the device to the first event of a small scene. With kernels in the driver's cache
+ * it is measured in several processes, the first of which may fill it. Without, it is measured once, with PoCL's cache in a
+ * folder that is removed afterwards. The time in which the operating system loads the tool isn't included. */
 #include "bench_scaling.h"
 
 #include <dirent.h>

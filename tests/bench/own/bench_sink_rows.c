@@ -1,6 +1,6 @@
-/* Events from the comparator into nothing, and into files: the host's side of a run in which many pixels fire often. Of a run
- * the comparator's time and the sink's count, and what opening and finishing a file takes beside it; not rendering, nor what
- * the operating system takes to put the file on its disk. */
+/* Events from the comparator to no sink, and to files: the host's part of a run in which many pixels fire often. The times of
+ * the comparator and the sink count, and of opening and finishing a file. Rendering doesn't count, nor the time in which the
+ * operating system writes the file to its disk. */
 #include "bench_targets.h"
 #include "bench_throughput.h"
 #include "bench_worlds.h"

@@ -1,4 +1,4 @@
-/* Targets as rows of JSON, and as text: the page reads them from there too. */
+/* Writes targets as rows of JSON, from which the page of results has them, and as text. */
 #include "bench_targets.h"
 
 #include <math.h>

@@ -1,5 +1,4 @@
-/* What the work aims at, and how far it is: rows with a bound and what was measured, in the JSON of each benchmark that has
- * some. */
+/* Targets: rows with a bound and a measured value, in the JSON of each benchmark that has some. */
 #ifndef CLI_BENCH_TARGETS_H
 #define CLI_BENCH_TARGETS_H
 

@@ -1,6 +1,5 @@
-/* tides bench throughput: what each stage takes, and how fast the machine would let it be. Frames of each scene at two sizes
- * are made under all rules, with rates and without, in turns with the limit: the same image in plain C made for this very
- * machine (limit/limit.h). */
+/* tides bench throughput: the time of each stage, beside what the machine allows. Frames of each scene at two sizes are made by
+ * all image rules, with rates and without, in turns with the limit: the same image in plain C made for this machine. */
 #include "bench_throughput.h"
 #include "bench_targets.h"
 #include "bench_worlds.h"

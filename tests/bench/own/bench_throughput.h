@@ -1,4 +1,4 @@
-/* Rows of `tides bench throughput`. */
+/* Rows of `tides bench throughput`: frames by stage, events into files, and parts of runs. */
 #ifndef CLI_BENCH_THROUGHPUT_H
 #define CLI_BENCH_THROUGHPUT_H
 

@@ -1,4 +1,4 @@
-/* The picture of what stages take: a panel for each scene and size, a bar for each maker, made of its stages. */
+/* The picture of stages' times: a panel for each scene and size, and a bar of stages for each maker of frames. */
 #include "bench_throughput.h"
 #include "plot.h"
 

@@ -1,5 +1,5 @@
-/* The library measured by itself, as nobody's scene needs it: the stages of frames beside the same image in plain C made for
- * this machine (limit/), how cost grows, and what the measures that make the image continuous are worth. For `make bench`.
+/* Benchmarks of the library itself, which users' scenes don't need: the stages of frames beside the same image in plain C made
+ * for this machine (limit/), growth of cost, and the value of measures that make the image continuous. For `make bench`.
  *   usage: own_bench image|scaling|throughput|all [-o DIR] [--quick] [--scene NAME] [--row NAME] */
 #include "bench_image.h"
 #include "bench_main.h"

@@ -1,4 +1,4 @@
-"""What the tests of the Python package share: small worlds, and a count of the C functions that were called."""
+"""Shared by the tests of the Python package: small worlds, and a count of the C functions that were called."""
 
 import collections
 import os

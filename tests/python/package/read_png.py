@@ -1,4 +1,4 @@
-"""PNG files as arrays, by its specification: what is asked of a dataset mustn't depend on who wrote it."""
+"""PNG files as arrays, by the specification: tests of datasets mustn't depend on the library's own reader."""
 
 import struct
 import zlib

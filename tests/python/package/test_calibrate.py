@@ -1,4 +1,4 @@
-"""A sensor that was simulated is measured again, and its preset is one that a run takes."""
+"""A simulated sensor is measured again, and a run accepts its preset."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Datasets: what each layout's files hold, read as their own users read them, is what the renderer says."""
+"""Datasets: the content of each layout's files, read as by their users, equals the renderer's."""
 
 import json
 import struct

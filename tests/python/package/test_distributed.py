@@ -1,4 +1,4 @@
-"""Batches on Dask: what workers leave equals what `tides batch` leaves, with a worker killed in the middle, and after Ctrl-C."""
+"""Batches on Dask: workers leave the same files as `tides batch`, with a worker killed in the middle, and after Ctrl-C."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""pip's OpenCL driver beside the system's: what OCL_ICD_VENDORS is set to, and when it is left alone."""
+"""pip's OpenCL driver beside the system's: the value of OCL_ICD_VENDORS, and when it isn't changed."""
 
 import importlib.metadata
 import os

@@ -1,4 +1,4 @@
-"""How event files are read where they don't say it themselves: order, units, streams, zero, invalid events. Each file is one that
+"""Reading event files that don't tell it themselves: order, units, streams, zero, invalid events. Each file has a form that
 other tools write."""
 
 import struct

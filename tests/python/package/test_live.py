@@ -1,4 +1,4 @@
-"""Live runs: steps give the events of a run that knows the path; wrong use says so."""
+"""Live runs: steps give the events of a run that knows the path, and wrong use raises."""
 
 import json
 import os

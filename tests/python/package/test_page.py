@@ -1,5 +1,5 @@
-"""The page of events: the file as it is, and in headless Chromium what it shows and does. Skipped there without a browser; errors
-in the console fail. TIDES_PAGE_PICTURES=FOLDER keeps pictures of it to look at."""
+"""The page of events: the file's content, and its behaviour in headless Chromium, which is skipped without a browser; errors
+in the console fail. TIDES_PAGE_PICTURES=FOLDER keeps pictures of it."""
 
 import base64
 import json

@@ -1,4 +1,4 @@
-"""Pickle: what knows its file or its values crosses to another process; the rest says what to send in its place."""
+"""Pickle: objects that know their file or values can be sent to another process; others raise, with what to send instead."""
 
 import os
 import pickle

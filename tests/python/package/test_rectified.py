@@ -1,4 +1,5 @@
-"""DSEC through lenses, of cameras that stand askew: calibration, map, flow, disparity and pictures against closed forms."""
+"""DSEC through lenses, of cameras that aren't parallel: calibration, map, flow, disparity and pictures against closed
+forms."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""tides.rosbag without the package that it needs says which; tests/clients has what it does with it."""
+"""tides.rosbag without the rosbags package names it; tests/clients tests the module with it."""
 
 import sys
 

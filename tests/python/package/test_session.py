@@ -1,4 +1,4 @@
-"""Sessions: a run file with everything open that it names."""
+"""Sessions: a run file with all its inputs open."""
 
 import gc
 import multiprocessing

@@ -1,4 +1,4 @@
-"""tides.usd without the package that it needs says which; tests/clients has what it does with it."""
+"""tides.usd without the usd-core package names it; tests/clients tests the module with it."""
 
 import sys
 

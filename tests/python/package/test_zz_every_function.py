@@ -1,4 +1,4 @@
-"""Runs last: what the tests before it called. Every function of the library has a wrapper that a test goes through."""
+"""Runs last: checks that every function of the library has a wrapper that an earlier test called."""
 
 import pytest
 import tides

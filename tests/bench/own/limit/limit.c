@@ -1,4 +1,4 @@
-/* The limit's object: its Gaussians laid out for vectors, its threads, and a frame from stage to stage. */
+/* The limit: lays its Gaussians out for vectors, starts its threads, and makes a frame stage by stage. */
 #define _POSIX_C_SOURCE 200809L
 #include "limit_parts.h"
 

@@ -1,10 +1,9 @@
-/* What a frame costs at least on this machine: the same image and rate as TIDES_RULES_INRIA, in plain C with vectors of
- * AVX-512, made with -O3 -march=native. `tides bench throughput` runs it in turns with the renderer and says how far that is
- * above it, stage by stage.
+/* The least cost of a frame on this machine: the same image and rate as TIDES_RULES_INRIA, in plain C with vectors of AVX-512,
+ * made with -O3 -march=native. `tides bench throughput` runs it in turns with the renderer, and reports their ratio stage by
+ * stage.
  *
- * It is an object of its own (Makefile), opened while the benchmark runs, as what -march=native makes runs only on machines
- * like the one that made it. It may do what a library can't: it knows one image, single precision, one set of rules, and no
- * device.
+ * It is a shared object (Makefile) that is opened while the benchmark runs, because code made with -march=native runs only on
+ * similar machines. It may do what a library can't: it has one image, single precision, one set of rules, and no device.
  *
  * Stages: project (one pass over all Gaussians), sort (one radix sort of the visible ones by depth), lists (in depth order:
  * which 4x4 blocks of which 16x16 tile each may reach), composite (block by block, sixteen pixels in a vector). */

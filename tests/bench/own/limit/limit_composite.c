@@ -1,5 +1,5 @@
-/* Compositing by INRIA's rules: tile by tile a contiguous copy of its records and a list for each of its blocks, block by block
- * sixteen pixels front to back, all in registers. */
+/* Compositing by INRIA's rules. Each tile makes a contiguous copy of its records and a list for each of its blocks. Each block
+ * composites sixteen pixels front to back, all in registers. */
 #include "limit_parts.h"
 
 #include <stdlib.h>

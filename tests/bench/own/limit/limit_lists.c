@@ -1,5 +1,5 @@
-/* Depth order and lists: one radix sort of the visible splats, then, in that order, which blocks of which tiles each may reach.
- * Threads take neighbouring parts of the order, and leave their hits in turn, so that lists are in depth order too. */
+/* Depth order and lists: a radix sort of the visible splats, then, in that order, the blocks of tiles that each may reach.
+ * Threads handle neighbouring parts of the order, and store their hits in turn, so that lists are in depth order too. */
 #include "limit_parts.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* What the stages of the limit share. */
+/* Data that the stages of the limit share. */
 #ifndef LIMIT_PARTS_H
 #define LIMIT_PARTS_H
 

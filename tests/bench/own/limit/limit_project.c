@@ -1,5 +1,5 @@
-/* Projection of all Gaussians, with rates, sixteen at a time: from groups of one kind of number to records of one splat. What
- * can't be seen is dropped before its colour is worked out. */
+/* Projection of all Gaussians, with rates, sixteen at a time: from arrays of sixteen equal numbers to records of single splats.
+ * Invisible ones are dropped before their colour is computed. */
 #include "limit_parts.h"
 
 static const float near_plane = 0.2f;

@@ -1,6 +1,5 @@
 /* Sixteen numbers at a time: the compiler's vectors, and masks, which AVX-512 keeps in registers of their own. Tried and left
- * out: comparisons of the compiler's own vectors, for machines without: gcc 12 takes them apart lane by lane, forty times as
- * slow, which is no limit. */
+ * out: comparisons of the compiler's own vectors, for other machines. gcc 12 splits them lane by lane, forty times as slow. */
 #ifndef LIMIT_VECTOR_H
 #define LIMIT_VECTOR_H
 
