@@ -64,6 +64,10 @@ TIDES_LDLIBS := $(shell $(PKG_CONFIG) --libs $(DEPS) 2>/dev/null) $(EXR_LIBS) -l
 COMPILE := $(CC) $(TIDES_CPPFLAGS) $(CPPFLAGS) $(TIDES_CFLAGS) $(CFLAGS)
 LINK    := $(CC) $(TIDES_CFLAGS) $(CFLAGS) $(LDFLAGS)
 WERROR  ?=
+# gcc 12 for arm64 has an internal error in loops that look for the greatest by fmax, which tests have.
+ifneq ($(filter aarch64-%,$(shell $(CC) -dumpmachine)),)
+$(OUT)/tests/%.o: private COMPILE += -fno-tree-loop-vectorize
+endif
 
 # -- sources -----------------------------------------------------------------------------------------------------------
 KERNELS  := $(wildcard kernels/*.h kernels/*.cl)
@@ -285,8 +289,8 @@ check-devices: ## Small runs on Oclgrind: reference-f32's events to the bit, no 
 	@$(AGAIN) check-devices-built
 check-devices-built:
 	@TIDES='$(CURDIR)/$(OUT)/tides' sh scripts/check_devices.sh || $(OR_SKIPPED)
-check-arm: all ## Cross-build for arm64 and run tests and small runs under qemu: the same hashes; an hour or more of emulation
-	@NATIVE='$(CURDIR)/$(OUT)/tides' PYTHON='$(PYTHON)' JOBS=$(JOBS) nice -n 19 bash scripts/check_arm.sh || $(OR_SKIPPED)
+check-arm: all ## As root: cross-build for arm64; tests, small runs and the wheel under qemu, the same hashes; PARTS="hashes wheel tests pocl"
+	@NATIVE='$(CURDIR)/$(OUT)/tides' PYTHON='$(PYTHON)' JOBS=$(JOBS) nice -n 10 bash scripts/check_arm.sh $(PARTS) || $(OR_SKIPPED)
 mutants: ## Change formulas of the kernels and the solver, one at a time: a test must notice each
 	@sh scripts/deps.sh build -q
 	@MAKE='$(MAKE)' JOBS=$(JOBS) PYTHON='$(PYTHON)' sh scripts/mutants.sh
@@ -431,7 +435,7 @@ clean: ## Remove build/
 	rm -rf build
 
 # -- packages ----------------------------------------------------------------------------------------------------------
-.PHONY: wheel check-wheel check-extras deb check-deb
+.PHONY: wheel wheel-built check-wheel check-extras deb check-deb
 # The wheel has in it what its library and tool link: archives where the system has them, copies of the shared libraries of the rest
 # (python_ctypes/stage.py). The older kind of run path (DT_RPATH) is the one that goes for what those libraries link, too.
 STAGE := $(OUT)/wheel
@@ -440,6 +444,8 @@ WHEEL_LIBS = $(shell sh scripts/archives.sh $(CC) $(TIDES_LDLIBS) $(LDLIBS) -lsz
 WHEEL_CLI_LIBS = $(shell sh scripts/archives.sh $(CC) $(shell $(PKG_CONFIG) --static --libs $(CLI_DEPS)))
 WHEEL_LINK = $(LINK) -s -Wl,--as-needed,--exclude-libs,ALL,--disable-new-dtags,-rpath,'$$ORIGIN'
 wheel: all $(PAGES)/.made ## Pack the Python package with library, tool and all that these link: WHEELS=build/python
+	@$(AGAIN) wheel-built
+wheel-built: # scripts/check_arm.sh does this alone where compilers are emulated
 	rm -rf $(STAGE) && mkdir -p $(STAGE)
 	for name in streams random; do $(COMPILE) $(WERROR) -c python_ctypes/$$name.c -o $(OUT)/$$name.o || exit 1; done
 	$(WHEEL_LINK) -shared -Wl,-soname,libtides.so.$(MAJOR),--no-undefined,--wrap=stdout,--wrap=stderr -Wl,-Map=$(OUT)/libtides.map \

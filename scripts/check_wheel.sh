@@ -9,17 +9,7 @@ chroots=${CHROOTS:-/var/tmp/tides_chroots}
 [ "$(id -u)" = 0 ] || { echo "check_wheel: chroots need root" >&2; exit 1; }
 command -v debootstrap >/dev/null || { echo "check_wheel: apt install debootstrap" >&2; exit 1; }
 
-lend() { # the network's settings
-    cp /etc/resolv.conf "$1/etc/resolv.conf"
-    for file in /etc/pip.conf "${PIP_CERT:-/etc/ssl/certs/ca-certificates.crt}"; do
-        [ ! -f "$file" ] || { mkdir -p "$1$(dirname "$file")" && cp "$file" "$1$file"; }
-    done
-}
-
-example() { # README's Python block that makes a scene
-    awk '/^```/ { if (inside && text ~ /tides\.Scene\(\)/) printf "%s", text; inside = $0 == "```python"; text = ""; next }
-         inside { text = text $0 "\n" }' README.md
-}
+. scripts/lent.sh
 
 fresh() { # SUITE ROOT: the system once, a new user's home each time
     if [ ! -f "$2/etc/debian_version" ]; then
@@ -34,8 +24,6 @@ fresh() { # SUITE ROOT: the system once, a new user's home each time
     lend "$2"
     chown -R 1000:1000 "$2/home/user"
 }
-
-settings() { env | grep -E '^(SECONDS_ALLOWED=|PIP_|https?_proxy=|HTTPS?_PROXY=|no_proxy=|NO_PROXY=)' | grep -v '^PIP_FIND_LINKS=' || true; }
 
 mkdir -p "$chroots"
 for suite in ${SUITES:-bookworm trixie}; do
