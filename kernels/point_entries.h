@@ -1,16 +1,17 @@
-/* Entries: the splats that points see, kept in order of depth until all are known. A vector has one number for TD_LANES points.
+/* Entries: the values of a splat that points see, kept in order until all splats are known, for TD_LANES points, a vector for
+ * each number. point_splats.h makes them; point_light.h sends light through them.
  *
- * A tile's list has one order for an interval, by depths in its middle; a point has an order by depths at its own time. They
- * are nearly equal, so that an entry's place is mostly the last or near it. Where a surface turns past the camera all entries
- * change places, and insertion would pass some n/2 of n entries for each. Then entries are sorted at the end. The order is
- * total, so that the result doesn't depend on the way. */
+ * A tile's list has one order for an interval, by the depths in its middle, and a point one by those at its own time. Both are
+ * nearly equal, so that an entry's place is mostly the last or near it. But where a surface turns past the camera, all of its
+ * splats change places, and each of n would pass some n/2. The order is total, so the result doesn't depend on the way of
+ * sorting. */
 #ifndef TD_POINT_ENTRIES_H
 #define TD_POINT_ENTRIES_H
 
 #include "layout.h"
 
-/* An entry: the light that the splat takes (tau in hard order, optical depth in soft order), its light, depth,
- * growth = depth_dot / depth, and path. */
+/* An entry's numbers: the light that the splat takes (point_splats.h), its light, its depth, growth = depth_dot / depth, and
+ * its Gaussian's number. */
 enum {
     TD_E_TAKES = 0,
     TD_E_TAKES_DOT,
@@ -18,8 +19,8 @@ enum {
     TD_E_LUMINANCE_DOT,
     TD_E_DEPTH,
     TD_E_GROWTH,
-    TD_E_PATH,
-    TD_E_GREEN, /* from here on only where light isn't linear in colours: luminance is then red */
+    TD_E_NUMBER,
+    TD_E_GREEN, /* from here on where light isn't linear in colours: luminance is red then */
     TD_E_GREEN_DOT,
     TD_E_BLUE,
     TD_E_BLUE_DOT,
@@ -27,7 +28,7 @@ enum {
     TD_POINT_CODED_NUMBERS = TD_E_BLUE_DOT + 1
 };
 typedef struct td_point_entry {
-    td_lanes takes, takes_dot, luminance, luminance_dot, depth, growth, path;
+    td_lanes takes, takes_dot, luminance, luminance_dot, depth, growth, number;
     td_lanes green, green_dot, blue, blue_dot;
 } td_point_entry;
 
@@ -43,7 +44,7 @@ TD_INLINE void td_point_store_entry(const td_image *image, const td_point_entry 
     td_store_lanes(to + TD_E_LUMINANCE_DOT * TD_LANES, entry->luminance_dot);
     td_store_lanes(to + TD_E_DEPTH * TD_LANES, entry->depth);
     td_store_lanes(to + TD_E_GROWTH * TD_LANES, entry->growth);
-    td_store_lanes(to + TD_E_PATH * TD_LANES, entry->path);
+    td_store_lanes(to + TD_E_NUMBER * TD_LANES, entry->number);
     if (!td_is_coded(image)) return;
     td_store_lanes(to + TD_E_GREEN * TD_LANES, entry->green);
     td_store_lanes(to + TD_E_GREEN_DOT * TD_LANES, entry->green_dot);
@@ -58,7 +59,7 @@ TD_INLINE td_point_entry td_point_load_entry(const td_image *image, TD_GLOBAL co
     entry.luminance_dot = td_load_lanes(from + TD_E_LUMINANCE_DOT * TD_LANES);
     entry.depth = td_load_lanes(from + TD_E_DEPTH * TD_LANES);
     entry.growth = td_load_lanes(from + TD_E_GROWTH * TD_LANES);
-    entry.path = td_load_lanes(from + TD_E_PATH * TD_LANES);
+    entry.number = td_load_lanes(from + TD_E_NUMBER * TD_LANES);
     entry.green = entry.green_dot = entry.blue = entry.blue_dot = td_splat(0.0f);
     if (!td_is_coded(image)) return entry;
     entry.green = td_load_lanes(from + TD_E_GREEN * TD_LANES);
@@ -76,7 +77,7 @@ TD_INLINE td_point_entry td_point_choose(const td_image *image, const td_point_e
     entry.luminance_dot = td_select(otherwise->luminance_dot, then->luminance_dot, mask);
     entry.depth = td_select(otherwise->depth, then->depth, mask);
     entry.growth = td_select(otherwise->growth, then->growth, mask);
-    entry.path = td_select(otherwise->path, then->path, mask);
+    entry.number = td_select(otherwise->number, then->number, mask);
     entry.green = entry.green_dot = entry.blue = entry.blue_dot = td_splat(0.0f);
     if (!td_is_coded(image)) return entry;
     entry.green = td_select(otherwise->green, then->green, mask);
@@ -86,9 +87,9 @@ TD_INLINE td_point_entry td_point_choose(const td_image *image, const td_point_e
     return entry;
 }
 
-/* Puts an entry in its place among those at k - gap, k - 2 gap ..., in each lane by that lane's depth. Returns how many it
- * passed. At equal depth the number of the path decides. Lanes that don't see a splat have it in their order too, so that
- * splats are moved for all lanes at once. */
+/* Puts an entry in its place among those at k - gap, k - 2 gap ..., in each lane by its own depth; returns how many it passed.
+ * At equal depth, numbers decide (td_point_lists). A lane that doesn't see a splat has it in its order all the same, so that
+ * splats change places together. */
 TD_INLINE int td_point_insert(const td_image *image, TD_GLOBAL td_real *entries, int k, int gap, const td_point_entry *made) {
     td_point_entry entry = *made;
     const int room = td_point_room(image);
@@ -96,8 +97,8 @@ TD_INLINE int td_point_insert(const td_image *image, TD_GLOBAL td_real *entries,
     int passed = 0;
     for (; k >= gap; k -= gap, passed++) {
         TD_GLOBAL td_real *before = to - gap * room;
-        td_lanes depth = td_load_lanes(before + TD_E_DEPTH * TD_LANES), path = td_load_lanes(before + TD_E_PATH * TD_LANES);
-        td_mask nearer = (entry.depth < depth) | ((entry.depth == depth) & (entry.path < path));
+        td_lanes depth = td_load_lanes(before + TD_E_DEPTH * TD_LANES), number = td_load_lanes(before + TD_E_NUMBER * TD_LANES);
+        td_mask nearer = (entry.depth < depth) | ((entry.depth == depth) & (entry.number < number));
         if (!td_any(nearer)) break;
         td_point_entry front = td_point_load_entry(image, before), behind = td_point_choose(image, &entry, &front, nearer);
         td_point_store_entry(image, &behind, to);

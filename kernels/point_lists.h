@@ -36,16 +36,19 @@ typedef struct td_point_slices {
  * its splat isn't seen. */
 enum { TD_CURVE_REALS = 4 * TD_PATH_NUMBERS, TD_BESIDE_REALS = 4 * TD_BESIDE_NUMBERS };
 typedef struct td_point_paths {
-    TD_GLOBAL const int *path; /* of each Gaussian of the store: its first curve * TD_PATH_LEVELS + level; below 0: none */
     TD_GLOBAL const td_real *curves; /* TD_CURVE_REALS each */
     td_point_slices slices;
     TD_GLOBAL const td_real *beside; /* TD_BESIDE_REALS each: green and blue, where luminance is red (TD_BESIDE_NUMBERS) */
 } td_point_paths;
 
-/* The lists of all tiles, in order of depth. */
+/* A place of a list: the splat's path, its first curve * TD_PATH_LEVELS + level; its Gaussian, whose number counts at equal
+ * depth; and the pixels that may see it, columns and rows (TD_SIGHT_END). */
+enum { TD_L_PATH = 0, TD_L_NUMBER, TD_L_COLUMNS, TD_L_ROWS, TD_LIST_INTS };
+
+/* The sorted lists of all tiles. */
 typedef struct td_point_lists {
-    TD_GLOBAL const int *path;    /* in a depth order; of equal depth, the Gaussian of lower number has the lower path */
-    TD_GLOBAL const float *tests; /* for each place, an ellipse that bounds the splat (point_tests.h) */
+    TD_GLOBAL const int *places;  /* in a depth order: TD_LIST_INTS each */
+    TD_GLOBAL const float *tests; /* point_tests.h */
 } td_point_lists;
 
 /* -- curves -------------------------------------------------------------------------------------------------------- */

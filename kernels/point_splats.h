@@ -160,12 +160,14 @@ TD_INLINE void td_point_take(const td_image *image, TD_GLOBAL td_real *view) {
     td_store_lanes(view + TD_V_TAKES_DOT * TD_LANES, takes_dot);
 }
 
-/* A splat's entry, and the mask of the points that see it. For the other points it takes no light and adds none. */
-TD_INLINE td_point_entry td_point_enter(const td_image *image, TD_GLOBAL const td_real *view, td_lanes end, td_mask *sees) {
+/* A splat's entry, and the mask of the points that see it, of those `within` its pixels. Else the splat takes and adds nothing.
+ */
+TD_INLINE td_point_entry td_point_enter(const td_image *image, TD_GLOBAL const td_real *view, td_lanes end, td_mask within,
+                                        td_mask *sees) {
     td_point_entry entry;
     td_lanes none = td_splat(0.0f);
     entry.depth = td_load_lanes(view + TD_V_DEPTH * TD_LANES), entry.growth = td_load_lanes(view + TD_V_GROWTH * TD_LANES);
-    *sees = (td_load_lanes(view + TD_V_ALPHA * TD_LANES) >= td_least_seen(image)) & (entry.depth < end);
+    *sees = within & (td_load_lanes(view + TD_V_ALPHA * TD_LANES) >= td_least_seen(image)) & (entry.depth < end);
     entry.takes = td_select(none, td_load_lanes(view + TD_V_TAKES * TD_LANES), *sees);
     entry.takes_dot = td_select(none, td_load_lanes(view + TD_V_TAKES_DOT * TD_LANES), *sees);
     entry.luminance = td_select(none, td_load_lanes(view + TD_V_LUMINANCE * TD_LANES), *sees);
@@ -218,7 +220,15 @@ typedef struct td_point_eye {
 #define TD_POINT_OPAQUE 32
 #define TD_POINT_NEVER TD_REAL(1e30)
 
-/* Adds the splats seen to `taken` and `far`, and sets `end` once enough light is taken. */
+/* The points whose pixels may see the splat of a place: it has a path where one of these pixels was asked about
+ * (lib/render/point_wanted.c). Nobody else sees it, or what a point shows would go by whom else has asked. */
+TD_INLINE td_mask td_point_within(TD_GLOBAL const int *place, const td_point_eye *eye) {
+    const int columns = place[TD_L_COLUMNS], rows = place[TD_L_ROWS];
+    return (eye->x > (td_real)(columns % TD_SIGHT_END)) & (eye->x < (td_real)(columns / TD_SIGHT_END)) &
+           (eye->y > (td_real)(rows % TD_SIGHT_END)) & (eye->y < (td_real)(rows / TD_SIGHT_END));
+}
+
+/* Takes note of what is seen of a splat. */
 TD_INLINE void td_point_note(const td_image *image, const td_point_entry *entry, td_mask sees, td_point_eye *eye) {
     td_real reach = td_soft_order(image) ? (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth : 0; /* td_is_near */
     eye->taken = eye->taken + entry->takes;
@@ -231,17 +241,17 @@ TD_INLINE void td_point_note(const td_image *image, const td_point_entry *entry,
  * which is longer than the processor's reorder window (1.3 times slower). */
 enum { TD_POINT_BATCH = 64 };
 
-/* Enters the splats found. Their views are stored where entries will be: entry k is made when view k and all before it have
- * been read. */
-TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image, const int *found, int count,
-                             const td_real *way, const td_real *rate, const int *curve, const int *together,
+/* Enters the splats found, at places[found[i]], as what the points see: views go where entries will be, which are no more than
+ * they. */
+TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image, TD_GLOBAL const int *places, const int *found,
+                             int count, const td_real *way, const td_real *rate, const int *curve, const int *together,
                              TD_GLOBAL td_real *entries, td_point_eye *eye) {
     const int room = td_point_room(image);
     TD_GLOBAL td_real *views = entries + eye->order.count * room;
     int above[TD_POINT_BATCH], seen = 0;
     for (int i = 0; i < count; i++) {
-        int level = found[i] & (TD_PATH_LEVELS - 1), lanes = level * TD_LANES;
-        TD_GLOBAL const td_real *own = paths->curves + found[i] / TD_PATH_LEVELS * TD_CURVE_REALS;
+        const int path = places[found[i] + TD_L_PATH], level = path & (TD_PATH_LEVELS - 1), lanes = level * TD_LANES;
+        TD_GLOBAL const td_real *own = paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS;
         td_point_eight value, slope;
         if (together[level])
             td_point_numbers_together(own + curve[lanes], way + lanes, &value, &slope);
@@ -250,8 +260,8 @@ TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image,
         td_point_view view = td_point_see(image, &value, &slope, td_collect(rate + lanes), eye->x, eye->y);
         td_point_store_view(&view, views + i * room);
         if (td_is_coded(image))
-            td_point_see_beside(paths->beside + found[i] / TD_PATH_LEVELS * TD_BESIDE_REALS, curve + lanes,
-                                td_collect(way + lanes), td_collect(rate + lanes), views + i * room);
+            td_point_see_beside(paths->beside + path / TD_PATH_LEVELS * TD_BESIDE_REALS, curve + lanes, td_collect(way + lanes),
+                                td_collect(rate + lanes), views + i * room);
     }
     for (int i = 0; i < count; i++) {
         above[seen] = i;
@@ -259,10 +269,11 @@ TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image,
     }
     for (int k = 0; k < seen; k++) td_point_take(image, views + above[k] * room);
     for (int k = 0; k < seen; k++) {
+        TD_GLOBAL const int *place = places + found[above[k]];
         td_mask sees;
-        td_point_entry entry = td_point_enter(image, views + above[k] * room, eye->end, &sees);
+        td_point_entry entry = td_point_enter(image, views + above[k] * room, eye->end, td_point_within(place, eye), &sees);
         if (!td_any(sees)) continue;
-        entry.path = td_splat((td_real)found[above[k]]);
+        entry.number = td_splat((td_real)place[TD_L_NUMBER]);
         td_point_note(image, &entry, sees, eye);
         td_point_add(image, entries, &entry, &eye->order);
     }

@@ -29,10 +29,9 @@ static td_share td_share_of_groups(int count) {
     return share;
 }
 
-static td_point_paths td_paths_make(__global const int *path, __global const td_real *curves, __global const td_real *beside,
-                                    int pieces, int slices, int split, int group) {
+static td_point_paths td_paths_make(__global const td_real *curves, __global const td_real *beside, int pieces, int slices,
+                                    int split, int group) {
     td_point_paths paths;
-    paths.path = path;
     paths.curves = curves;
     paths.beside = beside;
     paths.slices.pieces = pieces;
@@ -42,24 +41,25 @@ static td_point_paths td_paths_make(__global const int *path, __global const td_
     return paths;
 }
 
-/* Arrays to be made of the `count` Gaussians in `seen`. Curve c lies between rows row[2 c] and row[2 c + 1], which are
- * lengths[c] seconds apart. depths (Gaussians) are keys to sort by; `records` are tests (point_tests.h). */
+/* Arrays that points need of the `count` Gaussians in `seen`, whose paths are `own` and whose pixels `own_sights`: curves, of
+ * which c, counted from `from` on, goes from row[2 c] to row[2 c + 1], lengths[c] seconds apart; depths (Gaussians) to sort by;
+ * `records` of tests; `path` and `sights` (2 x Gaussians), where their paths and pixels are looked for. */
 typedef struct td_splats_to_make {
     __global const td_real *rows, *rows_beside, *lengths;
-    __global const int *row, *seen;
+    __global const int *row, *seen, *own, *own_sights;
     __global td_real *curves, *beside;
-    __global int *depths;
+    __global int *depths, *path, *sights;
     __global float *records;
-    int count;
+    int count, from;
     td_share groups;
 } td_splats_to_make;
 
 /* Prefetches the first curve's rows of TD_LANES Gaussians from `first` on: waiting for them took a quarter of the time. */
 enum { TD_SOON_GROUPS = 2 };
-static void td_rows_soon(const td_splats_to_make *of, __global const int *path, int first) {
+static void td_rows_soon(const td_splats_to_make *of, int first) {
     const int end = first + TD_LANES < of->count ? first + TD_LANES : of->count;
     for (int i = first; i < end; i++) {
-        __global const int *row = of->row + 2 * (path[of->seen[i]] / TD_PATH_LEVELS);
+        __global const int *row = of->row + 2 * (of->own[i] / TD_PATH_LEVELS - of->from);
         __global const td_real *from = of->rows + (long)row[0] * TD_PATH_STRIDE, *to = of->rows + (long)row[1] * TD_PATH_STRIDE;
         td_soon(from), td_soon(from + 8), td_soon(to), td_soon(to + 8);
     }
@@ -75,19 +75,22 @@ TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_
         const int i = k * TD_LANES;
         int mine[TD_LANES];
         size_t at[TD_LANES];
-        if (TD_LANES > 1) td_rows_soon(&of, paths.path, i + TD_SOON_GROUPS * TD_LANES);
+        if (TD_LANES > 1) td_rows_soon(&of, i + TD_SOON_GROUPS * TD_LANES);
         for (int lane = 0; lane < TD_LANES; lane++) {
-            int gaussian = of.seen[i + lane < of.count ? i + lane : i];
-            mine[lane] = paths.path[gaussian];
+            const int number = i + lane < of.count ? i + lane : i, gaussian = of.seen[number];
+            mine[lane] = of.own[number];
             int first = mine[lane] / TD_PATH_LEVELS, end = first + (pieces << (mine[lane] & (TD_PATH_LEVELS - 1)));
             for (int c = first; c < end; c++) {
-                const long from = of.row[2 * c], to = of.row[2 * c + 1];
-                td_point_curve(of.rows + from * TD_PATH_STRIDE, of.rows + to * TD_PATH_STRIDE, of.lengths[c],
+                const int at_row = c - of.from;
+                const long from = of.row[2 * at_row], to = of.row[2 * at_row + 1];
+                td_point_curve(of.rows + from * TD_PATH_STRIDE, of.rows + to * TD_PATH_STRIDE, of.lengths[at_row],
                                of.curves + (long)c * TD_CURVE_REALS);
                 if (td_is_coded(&image))
                     td_point_curve_beside(of.rows_beside + from * TD_BESIDE_STRIDE, of.rows_beside + to * TD_BESIDE_STRIDE,
-                                          of.lengths[c], of.beside + (long)c * TD_BESIDE_REALS);
+                                          of.lengths[at_row], of.beside + (long)c * TD_BESIDE_REALS);
             }
+            of.path[gaussian] = mine[lane];
+            of.sights[2 * gaussian] = of.own_sights[2 * number], of.sights[2 * gaussian + 1] = of.own_sights[2 * number + 1];
             of.depths[gaussian] = td_point_depth_key(&paths, mine[lane]);
             at[lane] = (size_t)gaussian * (size_t)slices * TD_TEST_REALS;
         }
@@ -100,15 +103,21 @@ TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_
 
 __kernel void td_point_make_splats(__constant const td_image *image_buffer, __global const td_real *rows,
                                    __global const int *row, __global const td_real *lengths, __global const int *seen,
-                                   int count, __global const int *path, int pieces, int slices, int split, int group,
+                                   __global const int *own, __global const int *own_sights, int count, int from,
+                                   __global int *path, __global int *sights, int pieces, int slices, int split, int group,
                                    __global td_real *curves, __global int *depths, __global float *records,
                                    __global const td_real *rows_beside, __global td_real *beside) {
-    const td_point_paths paths = td_paths_make(path, curves, beside, pieces, slices, split, group);
+    const td_point_paths paths = td_paths_make(curves, beside, pieces, slices, split, group);
     td_splats_to_make what;
     what.rows = rows;
     what.row = row;
     what.lengths = lengths;
     what.seen = seen;
+    what.own = own;
+    what.own_sights = own_sights;
+    what.sights = sights;
+    what.from = from;
+    what.path = path;
     what.curves = curves;
     what.rows_beside = rows_beside;
     what.beside = beside;
@@ -143,13 +152,13 @@ __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __g
                      misfits, stride, asks_each);
 }
 
-/* A tile's list to be made: its candidates that have paths, in order of depth, go to `listed`, and their tests to `tests`. keys
- * has room for twice the candidates. */
+/* A tile's list: its candidates that have paths, by depth, as `places` (TD_LIST_INTS x candidates); and their tests, made of
+ * the splats' records. keys have twice the room. */
 typedef struct td_list_to_make {
-    __global const int *candidates, *path, *depths;
+    __global const int *candidates, *path, *sights, *depths;
     __global const float *records;
     __global long *keys;
-    __global int *listed;
+    __global int *places;
     __global float *tests;
     int slices, item, items;
 } td_list_to_make;
@@ -160,30 +169,39 @@ static void td_place_soon(const td_list_to_make *of, long key, __global const in
     if (key == TD_LAST_KEY) return;
     const int gaussian = candidates[(int)(key & 0xffffffffL)];
     td_soon(of->records + (size_t)gaussian * (size_t)of->slices * TD_TEST_REALS);
-    td_soon(of->path + gaussian);
+    td_soon(of->path + gaussian), td_soon(of->sights + 2 * gaussian);
 }
 
 TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_make *what, __global int *listed_count) {
     const td_point_tile tile = *at;
     const td_list_to_make of = *what;
-    const int capacity = td_capacity(tile.count), me = of.item, items = of.items, slices = of.slices;
+    const int me = of.item, items = of.items, slices = of.slices;
     __global const int *candidates = of.candidates + tile.first;
     __global long *own = of.keys + 2 * (long)tile.first;
+    int keys = items > 1 ? tile.count : 0; /* an item alone leaves out those without */
     for (int i = me; i < tile.count; i += items) {
         const int gaussian = candidates[i], there = gaussian >= 0 && of.path[gaussian] >= 0;
-        own[i] = there ? ((long)of.depths[gaussian] << 32) | (long)i : TD_LAST_KEY;
+        const long key = there ? ((long)of.depths[gaussian] << 32) | (long)i : TD_LAST_KEY;
+        if (items > 1)
+            own[i] = key;
+        else if (there)
+            own[keys++] = key;
     }
-    for (int i = tile.count + me; i < capacity; i += items) own[i] = TD_LAST_KEY;
+    const int capacity = tile.count > 0 ? td_capacity(keys) : 0; /* without candidates, there is no room for keys */
+    for (int i = keys + me; i < capacity || i < tile.count; i += items) own[i] = TD_LAST_KEY;
     td_wait();
-    td_bitonic_sort(own, capacity);
+    if (TD_LANES == 1 || capacity > 0) td_bitonic_sort(own, capacity);
     if (me == 0) *listed_count = 0;
     td_wait();
     for (int i = me; i < tile.count; i += items) {
+        if (own[i / TD_PAD * TD_PAD] == TD_LAST_KEY) continue; /* groups behind those taken aren't read */
         const int there = own[i] != TD_LAST_KEY;
         const int gaussian = there ? candidates[(int)(own[i] & 0xffffffffL)] : -1;
         if (TD_LANES > 1 && i + TD_SOON_PLACES < tile.count) td_place_soon(&of, own[i + TD_SOON_PLACES], candidates);
         __global float *place = of.tests + td_point_tests_at(&tile, slices, 0) + td_point_test_of(i);
-        of.listed[tile.first + i] = there ? of.path[gaussian] : -1;
+        __global int *listed = of.places + (tile.first + i) * TD_LIST_INTS;
+        listed[TD_L_PATH] = there ? of.path[gaussian] : -1, listed[TD_L_NUMBER] = gaussian;
+        listed[TD_L_COLUMNS] = there ? of.sights[2 * gaussian] : 0, listed[TD_L_ROWS] = there ? of.sights[2 * gaussian + 1] : 0;
         if (there && (i + 1 == tile.count || own[i + 1] == TD_LAST_KEY)) *listed_count = i + 1;
         for (int slice = 0; slice < slices; slice++, place += tile.count * TD_TEST_REALS) {
             if (there)
@@ -201,17 +219,18 @@ TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_m
 
 /* One work-group per tile in `wanted`. counts (all tiles) gets the length of each list. */
 __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global const int *wanted,
-                                  __global const int *candidates, __global const int *path, __global const int *depths,
-                                  __global const float *records, int slices, __global long *keys, __global int *listed,
-                                  __global float *tests, __global int *counts) {
+                                  __global const int *candidates, __global const int *path, __global const int *sights,
+                                  __global const int *depths, __global const float *records, int slices, __global long *keys,
+                                  __global int *places, __global float *tests, __global int *counts) {
     const int number = wanted[get_group_id(0)];
     td_list_to_make what;
     what.candidates = candidates;
     what.path = path;
+    what.sights = sights;
     what.depths = depths;
     what.records = records;
     what.keys = keys;
-    what.listed = listed;
+    what.places = places;
     what.tests = tests;
     what.slices = slices;
     what.item = (int)get_local_id(0);
@@ -254,15 +273,15 @@ TD_APART void td_values_apart(__constant const td_image *image_buffer, const td_
 /* Composites all chunks; each work-item has its own room for `rows` entries. */
 __kernel void td_point_values(__constant const td_image *image_buffer, __global const td_point_tile *tiles,
                               __global const int *counts, __global const td_real *curves, int pieces, int slices, int split,
-                              int group, __global const int *listed, __global const float *tests,
+                              int group, __global const int *places, __global const float *tests,
                               __global const td_real *columns, int stride, __global const int *piece,
                               __global const td_point_chunk *chunks, int chunk_count, __global td_real *entries, int rows,
                               td_real backdrop, td_real backdrop_dot, __global td_real *values, volatile __global int *turn,
                               __global const td_real *beside, td_real green, td_real blue) {
     const td_image image = *image_buffer;
-    const td_point_paths paths = td_paths_make(listed, curves, beside, pieces, slices, split, group);
+    const td_point_paths paths = td_paths_make(curves, beside, pieces, slices, split, group);
     td_point_lists lists;
-    lists.path = listed;
+    lists.places = places;
     lists.tests = tests;
     td_point_arrays points;
     points.x = columns;

@@ -48,11 +48,12 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
         for (; i < taken && count <= TD_POINT_BATCH - TD_POINT_ASKED; i += TD_POINT_ASKED)
             for (td_point_bits bits = td_point_ask(tests, slice, chunk->count, i, taken, across, down, w); bits;
                  bits &= bits - 1) {
-                int path = lists->path[tile->first + i + td_point_lowest(bits)], level = path & (TD_PATH_LEVELS - 1);
+                const int place = (tile->first + i + td_point_lowest(bits)) * TD_LIST_INTS;
+                const int path = lists->places[place + TD_L_PATH], level = path & (TD_PATH_LEVELS - 1);
                 td_point_soon(paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS + curve[level * TD_LANES]);
-                found[count++] = path;
+                found[count++] = place;
             }
-        td_point_look(paths, image, found, count, way, rate, curve, together, entries, &eye);
+        td_point_look(paths, image, lists->places, found, count, way, rate, curve, together, entries, &eye);
     }
     td_point_settle(image, entries, &eye.order);
     return eye.order.count;

@@ -1,5 +1,8 @@
-/* Record paths in double precision, for points: how many nodes each Gaussian's path needs. The interval is divided into
- * pieces. Every listed Gaussian is projected at the ends and middles of the pieces, and the errors in the middles decide. */
+/* Record paths in double precision for single pixels: pieces of the interval; every listed Gaussian projected at their ends
+ * and in their middles (point_rows.c); by what the middles show each gets as many nodes as it needs.
+ *
+ * A Gaussian's nodes depend on it alone, so they are the same whenever it is made, and with whichever others. Into which pieces
+ * an interval is cut is told by all that is in a list, or by every so manieth of that. */
 #include "camera/td_trajectory.h"
 #include "td_point_nodes.h"
 #include "td_renderer.h"
@@ -9,26 +12,35 @@
 #include <stdlib.h>
 
 enum {
-    WHOLE_LEVEL = 3,     /* the interval stays one piece if this level is enough for half of all Gaussians */
-    MOST_LEVEL = 5,      /* 32 curves per piece: the error falls by 16^5 */
-    MOST_ROWS = 1 << 21, /* limit for several pieces: 256 MB */
-    MOST_SPLIT = 3,      /* log2 of the slices of an interval of one piece */
-    MOST_SLICES = 8,     /* slices of an interval of several pieces */
-    FEW_BENT = 64        /* one in so many moving Gaussians may have too large an error */
+    WHOLE_LEVEL = 3,     /* the interval stays whole where that is enough for half of all */
+    MOST_LEVEL = 5,      /* 32 curves a piece: the error falls by 16^5 */
+    MOST_ROWS = 1 << 21, /* where there are several pieces: 256 MB */
+    MOST_SPLIT = 3,      /* slices of a whole interval, as a power of two, */
+    MOST_SLICES = 8,     /* and of one in pieces */
+    FEW_BENT = 64,       /* so many that move, of which one may be off by more than it should */
+    GROUP = 1 << 15,     /* Gaussians that are made together: so many are made at once, whoever asks */
+    SOME = 1 << 12       /* of more, so many tell what pieces all have */
 };
 
-/* A signal may return within the interval in step with the nodes: then no middle shows an error, but halved paths stray as
- * far as before. So a path counts as straying if it strays farther than this [px], and halving leaves more than this share. */
+/* Bounds for paths that return within the interval in step with its nodes. No middle shows such a return, but halved paths
+ * stray as far as before. A stray counts from so many pixels on, where halving leaves more than half of it. */
 static const double strays_px = 1e-3, strays_share = 0.5;
 
-/* Times closer than this are equal [s]. */
+/* Curves of an interval at most, so that a curve's reals can be counted in 32 bits (TD_CURVE_REALS of
+ * kernels/point_lists.h). */
+#define MOST_CURVES ((size_t)INT32_MAX / (2 * TD_PATH_STRIDE))
+
+/* Samples nearer than this to another are it [s]. */
 static const double same_time = 1e-9;
 
 tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *shared, td_point_nodes *nodes,
                                    tides_error *error) {
-    const size_t count = (size_t)renderer->store.count;
+    const size_t all = (size_t)renderer->store.count, count = all < GROUP ? all : GROUP;
     const td_image_numbers image = td_image_pack(&renderer->image);
-    nodes->path = td_alloc(count, sizeof *nodes->path, error);
+    nodes->path = td_alloc(all, sizeof *nodes->path, error);
+    nodes->listed = td_alloc(all, sizeof *nodes->listed, error);
+    nodes->wanted = td_alloc(all, sizeof *nodes->wanted, error);
+    nodes->own = td_alloc(count, sizeof *nodes->own, error);
     nodes->gaussians = td_alloc(count, sizeof *nodes->gaussians, error);
     nodes->level = td_alloc(count, sizeof *nodes->level, error);
     nodes->first = td_alloc(count + TD_PAD, sizeof *nodes->first, error);
@@ -38,9 +50,12 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *sha
     nodes->is_direct = td_alloc(count, sizeof *nodes->is_direct, error);
     nodes->tried = td_alloc(count + TD_PAD, sizeof *nodes->tried, error);
     nodes->fit.worst = td_alloc(count + TD_PAD, sizeof *nodes->fit.worst, error);
-    if (!nodes->path || !nodes->gaussians || !nodes->level || !nodes->first || !nodes->open_at || !nodes->halve_from ||
-        !nodes->halve_to || !nodes->is_direct || !nodes->tried || !nodes->fit.worst)
+    if (!nodes->path || !nodes->listed || !nodes->wanted || !nodes->own || !nodes->gaussians || !nodes->level ||
+        !nodes->first || !nodes->open_at || !nodes->halve_from || !nodes->halve_to || !nodes->is_direct || !nodes->tried ||
+        !nodes->fit.worst)
         return TIDES_NO_MEMORY;
+    nodes->group = GROUP;
+    nodes->some = SOME;
     nodes->exact = shared;
     nodes->is_shared = shared != NULL;
     return shared ? TIDES_OK : td_exact_create(renderer->device, &renderer->store, &image, &nodes->exact, error);
@@ -52,6 +67,9 @@ void td_point_nodes_release(td_point_nodes *nodes) {
     free(nodes->knot);
     free(nodes->piece_length);
     free(nodes->path);
+    free(nodes->listed);
+    free(nodes->wanted);
+    free(nodes->own);
     free(nodes->gaussians);
     free(nodes->level);
     free(nodes->first);
@@ -143,25 +161,39 @@ static int first_level(const tides_renderer *renderer, const td_point_nodes *nod
     return level;
 }
 
-/* Lists the Gaussians that are in any tile's list, and gives them rows of their first levels. */
-static tides_status find_listed(const tides_renderer *renderer, const td_point_span *lists, td_point_nodes *nodes,
-                                tides_error *error) {
+/* Lists the Gaussians that are in some list; none of them has a path yet. */
+static void find_listed(const tides_renderer *renderer, const td_point_span *lists, td_point_nodes *nodes) {
     const int end = lists->first[renderer->stats.tiles];
-    int64_t rows = 0;
     for (int i = 0; i < renderer->store.count; i++) nodes->path[i] = TD_PATH_UNSEEN;
     for (int i = 0; i < end; i++)
-        if (lists->list[i] >= 0) nodes->path[lists->list[i]] = 0;
-    nodes->count = nodes->bent = nodes->direct = 0;
-    for (int i = 0; i < renderer->store.count; i++) {
-        if (nodes->path[i] == TD_PATH_UNSEEN) continue;
-        int level = td_point_is_instant(nodes) ? 0 : first_level(renderer, nodes, i);
+        if (lists->list[i] >= 0) nodes->path[lists->list[i]] = TD_PATH_UNMADE;
+    nodes->listed_count = nodes->made = nodes->curves = 0;
+    for (int i = 0; i < renderer->store.count; i++)
+        if (nodes->path[i] == TD_PATH_UNMADE) nodes->listed[nodes->listed_count++] = i;
+}
+
+/* Chooses the Gaussians that stand for all others; they become the wanted ones. An instant needs none. */
+static void choose_some(td_point_nodes *nodes) {
+    nodes->wanted_count = nodes->listed_count <= nodes->group ? nodes->listed_count : nodes->some;
+    if (td_point_is_instant(nodes)) nodes->wanted_count = 0;
+    for (int i = 0; i < nodes->wanted_count; i++)
+        nodes->wanted[i] = nodes->listed[(int64_t)i * nodes->listed_count / nodes->wanted_count];
+}
+
+/* The first `count` of those wanted, with rows of their first levels. */
+static tides_status begin_group(const tides_renderer *renderer, td_point_nodes *nodes, int count, tides_error *error) {
+    int64_t rows = 0;
+    nodes->bent = nodes->moving = nodes->count = 0;
+    for (int i = 0; i < count; i++) {
+        const int gaussian = nodes->wanted[i];
+        int level = td_point_is_instant(nodes) ? 0 : first_level(renderer, nodes, gaussian);
         nodes->bent += level > MOST_LEVEL;
         if (level > MOST_LEVEL) level = MOST_LEVEL;
         nodes->first[nodes->count] = (int)rows;
         nodes->level[nodes->count] = (uint8_t)level;
         nodes->open_at[nodes->count] = -1;
         nodes->is_direct[nodes->count] = 0;
-        nodes->gaussians[nodes->count++] = i;
+        nodes->gaussians[nodes->count++] = gaussian;
         rows += td_point_is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
         if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
     }
@@ -214,7 +246,6 @@ static tides_status choose_level(const tides_renderer *renderer, td_point_nodes 
     const int is_direct = is_bent && may_be_direct(renderer, nodes, i);
     nodes->bent += is_bent;
     nodes->is_direct[i] = (uint8_t)is_direct;
-    nodes->direct += is_direct;
     return TIDES_OK;
 }
 
@@ -281,26 +312,30 @@ static tides_status try_level(const tides_renderer *renderer, td_point_nodes *no
     return status == TIDES_OK ? halve_open(nodes, level, error) : status;
 }
 
-/* Lays out the curves of all Gaussians, and their paths. */
+/* Curves of the group; paths. */
 static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
     const int moves = !td_point_is_instant(nodes);
     size_t curves = 0;
     for (int i = 0; i < nodes->count; i++) curves += (size_t)nodes->pieces << nodes->level[i];
+    if (curves + (size_t)nodes->curves > MOST_CURVES) return too_many(nodes, error);
     tides_status status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * curves, sizeof *nodes->row, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&nodes->length, &nodes->length_capacity, curves, sizeof *nodes->length, error);
     if (status != TIDES_OK) return status;
-    nodes->curves = 0;
+    int laid = 0;
     for (int i = 0; i < nodes->count; i++) {
-        const int level = nodes->level[i], stride = !moves ? 0 : level == 0 ? 2 : 1; /* level 0 uses the rows of level 1 */
-        nodes->path[nodes->gaussians[i]] = nodes->curves * TD_PATH_LEVELS + level;
+        const int level = nodes->level[i], stride = !moves ? 0 : level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
+        nodes->own[i] = nodes->path[nodes->gaussians[i]] = (nodes->curves + laid) * TD_PATH_LEVELS + level;
         for (int k = 0; k < nodes->pieces << level; k++) {
             const double h = nodes->piece_length[k >> level];
-            nodes->row[2 * nodes->curves] = nodes->first[i] + stride * k;
-            nodes->row[2 * nodes->curves + 1] = nodes->first[i] + stride * (k + 1);
-            nodes->length[nodes->curves++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
+            nodes->row[2 * laid] = nodes->first[i] + stride * k;
+            nodes->row[2 * laid + 1] = nodes->first[i] + stride * (k + 1);
+            nodes->length[laid++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
         }
     }
+    nodes->group_curves = laid;
+    nodes->curves += laid;
+    nodes->made += nodes->count;
     return TIDES_OK;
 }
 
@@ -314,15 +349,14 @@ static tides_status measure_pieces(td_point_nodes *nodes, tides_error *error) {
 /* 1 if more than a few Gaussians have too large an error. */
 static int are_bent(const td_point_nodes *nodes) { return FEW_BENT * (int64_t)nodes->bent > nodes->moving; }
 
-/* Finds rows of all listed Gaussians in the present pieces. In: `bent` is 1 if more pieces are possible. Out: `bent` is 1 if
- * they are needed, because WHOLE_LEVEL isn't enough for half of all, or all levels aren't for too many moving ones. */
-static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
-                              const td_point_span *span, td_point_nodes *nodes, int *bent, tides_error *error) {
+/* Rows of the first `count` of those wanted, in the pieces that there are. `bent`: whether others may be had; whether they are
+ * needed, because WHOLE_LEVEL isn't enough for more than half of these, or all levels aren't for more than few of those that
+ * move. */
+static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine, int count,
+                              td_point_nodes *nodes, int *bent, tides_error *error) {
     const int may_bend = *bent;
     *bent = 0;
-    tides_status status = measure_pieces(nodes, error);
-    if (status == TIDES_OK) status = find_listed(renderer, span, nodes, error);
-    nodes->moving = 0;
+    tides_status status = begin_group(renderer, nodes, count, error);
     if (status == TIDES_OK && td_point_is_instant(nodes)) return td_point_rows_project(renderer, camera, nodes, 0, error);
     for (int level = 1, finer = 1; level <= MOST_LEVEL && finer > 0 && status == TIDES_OK && !*bent; level++) {
         finer = 0;
@@ -335,15 +369,24 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
     return status;
 }
 
-/* Finds rows in the present pieces; none if they would be too many. */
+/* Makes rows, as find_rows does, for the Gaussians that stand for all others. */
+static tides_status find_some(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                              td_point_nodes *nodes, int *bent, tides_error *error) {
+    const tides_status status = measure_pieces(nodes, error);
+    if (status != TIDES_OK) return status;
+    choose_some(nodes);
+    return find_rows(renderer, camera, engine, nodes->wanted_count, nodes, bent, error);
+}
+
+/* Rows in the pieces that there are; or, where they would be too many, none. */
 static tides_status find_cut(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                              const td_point_span *span, td_point_nodes *nodes, tides_error *error) {
     int bent = 0;
     tides_status status = cut(renderer, camera, span->start, span->stop, nodes, error);
     const double middle = nodes->knot[nodes->pieces / 2];
-    if (status == TIDES_OK && (2 * (int64_t)nodes->pieces + 1) * nodes->count > MOST_ROWS) nodes->halve = middle;
+    if (status == TIDES_OK && (2 * (int64_t)nodes->pieces + 1) * nodes->listed_count > MOST_ROWS) nodes->halve = middle;
     if (status != TIDES_OK || !isnan(nodes->halve)) return status;
-    return find_rows(renderer, camera, engine, span, nodes, &bent, error);
+    return find_some(renderer, camera, engine, nodes, &bent, error);
 }
 
 /* 1 if halving the interval, and its halves, brings the cubics nearer to the paths. */
@@ -365,18 +408,49 @@ tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajector
     int bent = nodes->pieces > 1;
     const int whole = !bent || !(span->start < span->stop) || is_tame(renderer);
     nodes->halve = NAN;
+    find_listed(renderer, span, nodes);
     if (status == TIDES_OK && whole) status = begin_whole(nodes, span->start, span->stop, error);
-    if (status == TIDES_OK && whole) status = find_rows(renderer, camera, engine, span, nodes, &bent, error);
+    if (status == TIDES_OK && whole) status = find_some(renderer, camera, engine, nodes, &bent, error);
     if (status == TIDES_OK && bent) status = find_cut(renderer, camera, engine, span, nodes, error);
     if (status != TIDES_OK || !isnan(nodes->halve)) return status;
     if (are_bent(nodes) && (span->stop - span->start) / nodes->pieces >= 2 * span->shortest)
         nodes->halve = nodes->pieces > 1 ? nodes->knot[nodes->pieces / 2] : 0.5 * (span->start + span->stop);
+    nodes->wanted_count = 0;
     return isnan(nodes->halve) ? lay_curves(nodes, error) : status;
 }
 
-/* Number of slices for tests. A test assumes that a splat moves straight within a slice, and each slice costs as much again;
- * curved paths need more. On 10 ms of the demo, with 5 curves per splat, a point costs 2.9, 1.8, 1.5 us with 1, 2, 4 slices;
- * on 3 ms it is 1.2 with any. With 4, the lists of a trained object (1300 splats) cost more than its points. */
+tides_status td_point_nodes_next(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                                 td_point_nodes *nodes, tides_error *error) {
+    int bent = 0;
+    const int taken = nodes->wanted_count < nodes->group ? nodes->wanted_count : nodes->group;
+    tides_status status = find_rows(renderer, camera, engine, taken, nodes, &bent, error);
+    if (status == TIDES_OK) status = lay_curves(nodes, error);
+    if (status != TIDES_OK) return status;
+    nodes->wanted_count -= taken;
+    memmove(nodes->wanted, nodes->wanted + taken, (size_t)nodes->wanted_count * sizeof *nodes->wanted);
+    return status;
+}
+
+td_points_group td_point_nodes_group(const td_point_nodes *nodes) {
+    return (td_points_group){.exact = nodes->exact,
+                             .row_count = nodes->rows,
+                             .row = nodes->row,
+                             .lengths = nodes->length,
+                             .first = nodes->curves - nodes->group_curves,
+                             .curves = nodes->group_curves,
+                             .seen = nodes->gaussians,
+                             .path = nodes->own,
+                             .seen_count = nodes->count};
+}
+
+int td_point_nodes_expected(const td_point_nodes *nodes) {
+    const double each = nodes->made > 0 ? (double)nodes->curves / nodes->made : 1, all = ceil(each * nodes->listed_count);
+    return all < (double)MOST_CURVES ? (int)all : (int)MOST_CURVES;
+}
+
+/* Tests take a splat to go straight on in a slice, and cost as much again with each: how splats bend curves tell. On 10 ms of
+ * the demo, 5 curves a splat, a point costs 2.9, 1.8, 1.5 us with 1, 2, 4 slices; on 3 ms it costs 1.2 with any. With 4 a
+ * trained object's lists, 1300 long, cost more than their points. */
 td_points_slices td_point_nodes_slices(const td_point_nodes *nodes) {
     int split = 0;
     if (nodes->pieces > 1) {

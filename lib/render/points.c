@@ -5,7 +5,9 @@
  * again for each interval would cost as much as asking for the instant's points late saves. */
 #include "td_point_nodes.h"
 #include "td_point_order.h"
+#include "td_point_parts.h"
 #include "td_points_direct.h"
+#include "td_points_wanted.h"
 #include "td_renderer.h"
 
 #include <math.h>
@@ -13,12 +15,7 @@
 
 enum { POINTS_AT_ONCE = 1 << 16 }; /* per launch: 5 MB with all their data */
 
-/* A part of the interval, with its own rows. Most intervals have one part. */
-typedef struct points_part {
-    double start, stop;
-} points_part;
-
-/* A launch that may be running: points order[0 .. count) of the caller's. */
+/* A launch that may be under way: points numbered order[0 .. count), the caller's. */
 typedef struct points_away {
     const td_point *points;
     td_point_value *values;
@@ -29,17 +26,15 @@ typedef struct points_away {
 struct td_points {
     td_points_engine *engine;
     td_point_nodes nodes;
-    td_point_span at;  /* the requested interval */
-    uint64_t serial;   /* serial number of the interval that the parts are of */
-    points_part *part; /* (parts) in order of time */
-    int parts;
-    size_t part_capacity;
-    int begun;                 /* the part whose rows are ready; -1: none */
-    int *own_first, *own_list; /* copies of the lists of a kept instant; else NULL */
-    td_points_tile *tiles;     /* (tiles) */
-    uint8_t *listed;           /* (tiles) 1: its list is ready */
-    int *wanted;               /* (tiles) lists to make */
-    td_point_place *place;     /* used by order_points */
+    td_point_span at; /* the interval that is asked for */
+    td_point_parts parts;
+    int begun;                 /* the part whose rows are there; -1: none */
+    int *own_first, *own_list; /* copies of its lists and boxes, of an instant that is kept; else NULL */
+    float *own_boxes;
+    td_points_tile *tiles; /* (tiles) */
+    td_points_wanted asks;
+    int *wanted;           /* (tiles) lists to make */
+    td_point_place *place; /* of order_points */
     size_t place_capacity;
     int *which; /* (2 x points requested) used by exact_points */
     size_t which_capacity;
@@ -51,7 +46,7 @@ struct td_points {
     double *values;
 };
 
-/* Abandons the running launch; its results are lost. */
+/* Ends the launch that is under way; its results are dropped. */
 static void drop_launch(td_points *p) {
     if (p->away.count == 0) return;
     tides_status ignored = p->engine->type->finish(p->engine, NULL);
@@ -66,11 +61,12 @@ void td_points_destroy(td_points *points) {
     td_points_direct_release(&points->direct);
     td_point_nodes_release(&points->nodes);
     for (int k = 0; k < TD_POINT_COLUMNS; k++) free(points->column[k]);
-    free(points->part);
+    td_point_parts_release(&points->parts);
     free(points->own_first);
     free(points->own_list);
+    free(points->own_boxes);
     free(points->tiles);
-    free(points->listed);
+    td_points_wanted_release(&points->asks);
     free(points->wanted);
     free(points->place);
     free(points->which);
@@ -83,23 +79,16 @@ void td_points_destroy(td_points *points) {
 static tides_status allocate(const tides_renderer *renderer, td_points *p, tides_error *error) {
     size_t tiles = (size_t)renderer->stats.tiles, launch = POINTS_AT_ONCE + TD_PAD;
     p->tiles = td_alloc(tiles, sizeof *p->tiles, error);
-    p->listed = td_alloc(tiles, sizeof *p->listed, error);
     p->wanted = td_alloc(tiles, sizeof *p->wanted, error);
     p->piece = td_alloc(launch, sizeof *p->piece, error);
     p->chunks = td_alloc(launch, sizeof *p->chunks, error);
     p->values = td_alloc(2 * launch, sizeof *p->values, error);
-    int all = p->tiles && p->listed && p->wanted && p->piece && p->chunks && p->values;
+    int all = p->tiles && p->wanted && p->piece && p->chunks && p->values;
     for (int k = 0; k < TD_POINT_COLUMNS; k++) {
         p->column[k] = td_alloc(launch, sizeof *p->column[k], error);
         all = all && p->column[k];
     }
-    return all ? TIDES_OK : TIDES_NO_MEMORY;
-}
-
-tides_status td_points_create_engine(const tides_renderer *renderer, const td_image_numbers *image, td_points_engine **engine,
-                                     tides_error *error) {
-    return td_device_has_double(renderer->device) ? td_points_create_opencl(renderer->device, image, engine, error)
-                                                  : td_points_create_twin(image, engine, error);
+    return all ? td_points_wanted_create(renderer, &p->asks, error) : TIDES_NO_MEMORY;
 }
 
 /* `shared`: the scene in double of another td_points, or NULL. */
@@ -127,6 +116,11 @@ tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *err
     return status == TIDES_OK && renderer->beside ? td_renderer_exact_points(renderer->beside, error) : status;
 }
 
+void td_renderer_points_groups(tides_renderer *renderer, int group, int some) {
+    renderer->points->nodes.group = group;
+    renderer->points->nodes.some = some;
+}
+
 static void lay_tiles(const tides_renderer *renderer, td_points *p) {
     const int across = renderer->candidates.tiles_x, *first = p->at.first;
     for (int tile = 0; tile < renderer->stats.tiles; tile++) {
@@ -134,75 +128,58 @@ static void lay_tiles(const tides_renderer *renderer, td_points *p) {
         p->tiles[tile].y = tile / across * TD_TILE;
         p->tiles[tile].first = first[tile];
         p->tiles[tile].count = first[tile + 1] - first[tile];
-        p->listed[tile] = 0;
     }
 }
 
-/* Begins a new interval, as one part until that proves to be too long. */
-static tides_status begin_interval(td_points *p, tides_error *error) {
-    if (p->parts > 0 && p->serial == p->at.serial) return TIDES_OK;
-    tides_status status = td_reserve((void **)&p->part, &p->part_capacity, 1, sizeof *p->part, error);
-    if (status != TIDES_OK) return status;
-    p->part[0] = (points_part){.start = p->at.start, .stop = p->at.stop};
-    p->parts = 1;
-    p->begun = -1;
-    p->serial = p->at.serial;
+/* The group that has got paths last is the engine's. */
+static tides_status add_group(const tides_renderer *renderer, td_points *p, tides_error *error) {
+    td_points_group added = td_point_nodes_group(&p->nodes);
+    if (added.seen_count == 0) return TIDES_OK;
+    tides_status status = td_points_wanted_sights(renderer, &p->asks, &p->at, &added, error);
+    if (status == TIDES_OK) status = p->engine->type->add(p->engine, &added, error);
+    return status == TIDES_OK ? td_points_direct_add(renderer, &p->nodes, p->at.boxes, &p->direct, error) : status;
+}
+
+/* Makes paths for the Gaussians that the points numbered which[0 .. count) may see. */
+static tides_status add_wanted(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
+                               const int *which, int count, tides_error *error) {
+    tides_status status = TIDES_OK;
+    td_points_wanted_find(renderer, &p->asks, &p->nodes, &p->at, points, which, count);
+    while (p->nodes.wanted_count > 0 && status == TIDES_OK) {
+        status = td_point_nodes_next(renderer, camera, p->engine, &p->nodes, error);
+        if (status == TIDES_OK) status = add_group(renderer, p, error);
+    }
+    if (status != TIDES_OK) p->begun = -1; /* what has a path isn't known */
+    td_points_wanted_found(&p->asks);
     return status;
 }
 
-static tides_status halve(td_points *p, int k, double at, tides_error *error) {
-    tides_status status = td_reserve((void **)&p->part, &p->part_capacity, (size_t)p->parts + 1, sizeof *p->part, error);
-    if (status != TIDES_OK) return status;
-    memmove(p->part + k + 1, p->part + k, (size_t)(p->parts - k) * sizeof *p->part);
-    p->part[k].stop = p->part[k + 1].start = at;
-    p->parts++;
-    return status;
-}
-
-/* Makes rows for part k unless they are ready; or halves the part. */
+/* The pieces of a part, unless they are there; or it is halved. */
 static tides_status begin_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
                                tides_error *error) {
     td_point_nodes *nodes = &p->nodes;
     td_point_span span = p->at;
     if (p->begun == k) return TIDES_OK;
     p->begun = -1;
-    span.start = p->part[k].start;
-    span.stop = p->part[k].stop;
+    span.start = p->parts.part[k].start;
+    span.stop = p->parts.part[k].stop;
     lay_tiles(renderer, p);
     tides_status status = td_point_nodes_find(renderer, camera, p->engine, &span, nodes, error);
     if (status != TIDES_OK) return status;
-    if (!isnan(nodes->halve)) return halve(p, k, nodes->halve, error);
-    const td_points_interval interval = {.path = nodes->path,
-                                         .gaussians = renderer->store.count,
-                                         .exact = nodes->exact,
-                                         .row_count = nodes->rows,
-                                         .row = nodes->row,
-                                         .lengths = nodes->length,
-                                         .curves = nodes->curves,
+    if (!isnan(nodes->halve)) return td_point_parts_halve(&p->parts, k, nodes->halve, error);
+    const td_points_interval interval = {.gaussians = renderer->store.count,
+                                         .curves = td_point_nodes_expected(nodes),
                                          .slices = td_point_nodes_slices(nodes),
-                                         .seen = nodes->gaussians,
-                                         .seen_count = nodes->count,
                                          .candidates = p->at.list,
                                          .candidate_count = p->at.first[renderer->stats.tiles],
                                          .tiles = p->tiles,
                                          .tile_count = renderer->stats.tiles};
     status = p->engine->type->begin(p->engine, &interval, error);
-    if (status != TIDES_OK) return status;
-    p->begun = k;
-    return td_points_direct_begin(renderer, nodes, &p->direct, error);
-}
-
-/* The part that a time is in; at a border, the earlier part. */
-static int part_of(const td_points *p, double time) {
-    int low = 0, high = p->parts - 1;
-    while (low < high) {
-        const int middle = (low + high) / 2;
-        if (time <= p->part[middle].stop)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
+    td_points_wanted_clear(renderer, &p->asks);
+    td_points_direct_clear(renderer, &p->direct);
+    if (status == TIDES_OK) status = add_group(renderer, p, error);
+    if (status == TIDES_OK) p->begun = k;
+    return status;
 }
 
 static int tile_of(const tides_renderer *renderer, const td_point *point) {
@@ -224,7 +201,7 @@ static int piece_of(const td_point_nodes *nodes, double time) {
 
 /* Place of a point in its tile and in the interval. */
 static td_point_place place_of(const td_points *p, const td_point *point, int which) {
-    const points_part *part = &p->part[p->begun];
+    const td_point_part *part = &p->parts.part[p->begun];
     const double length = part->stop - part->start;
     int step = length > 0 ? (int)((point->time - part->start) / length * TD_PLACE_STEPS) : 0;
     if (step >= TD_PLACE_STEPS) step = TD_PLACE_STEPS - 1;
@@ -287,20 +264,12 @@ static int lay_launch(const tides_renderer *renderer, td_points *p, const td_poi
         if (chunks == 0 || p->chunks[chunks - 1].tile != tile || p->chunks[chunks - 1].count == p->engine->lanes)
             p->chunks[chunks++] = (td_points_chunk){tile, i, 0};
         p->chunks[chunks - 1].count++;
-        if (!p->listed[tile]) p->wanted[(*wanted)++] = tile;
-        p->listed[tile] = 1;
+        if (td_points_wanted_list(&p->asks, tile)) p->wanted[(*wanted)++] = tile;
     }
     return chunks;
 }
 
-tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error) {
-    *value = (td_point_value){found[0], found[1]};
-    if (isfinite(value->L) && isfinite(value->L_dot)) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_ARGUMENT, "pixel (%d, %d) at %.9g s isn't finite: log_luminance %g, its rate %g",
-                   (int)point->x, (int)point->y, point->time, value->L, value->L_dot);
-}
-
-/* Waits for the running launch, if there is one. */
+/* Waits for the launch that is under way, if there is one. */
 static tides_status finish_launch(td_points *p, tides_error *error) {
     const points_away away = p->away;
     if (away.count == 0) return TIDES_OK;
@@ -329,7 +298,7 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
     return status;
 }
 
-/* Computes the points of which[0 .. count) that see a splat without a curve. The others, `count`, stay in `which`. */
+/* Computes the points among which[0 .. count) that see a splat without a curve. `which` and `count` then hold the others. */
 static tides_status take_direct(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                 int *which, int *count, int *order, td_point_value *values, tides_error *error) {
     int left = 0, direct = 0;
@@ -346,7 +315,8 @@ static tides_status take_direct(tides_renderer *renderer, const tides_trajectory
 static tides_status points_of_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p,
                                    const td_point *points, int *which, int count, int *order, td_point_value *values,
                                    tides_error *error) {
-    tides_status status = take_direct(renderer, camera, p, points, which, &count, order, values, error);
+    tides_status status = add_wanted(renderer, camera, p, points, which, count, error);
+    if (status == TIDES_OK) status = take_direct(renderer, camera, p, points, which, &count, order, values, error);
     if (status == TIDES_OK) status = order_points(renderer, p, points, which, count, order, error);
     for (int from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
         const points_away next = {points, values, order + from, count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE};
@@ -356,18 +326,18 @@ static tides_status points_of_part(tides_renderer *renderer, const tides_traject
     return status;
 }
 
-/* Finds the points of part k, in which (count). The part may be halved for them, and then it is its first half. */
+/* Chooses the points in part k: which (count). The part may be halved for them, and is the first half then. */
 static tides_status choose_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
                                 const td_point *points, int count, int *which, int *some, tides_error *error) {
     tides_status status = TIDES_OK;
     int parts;
     do {
-        parts = p->parts;
+        parts = p->parts.count;
         *some = 0;
         for (int i = 0; i < count; i++)
-            if (part_of(p, points[i].time) == k) which[(*some)++] = i;
+            if (td_point_parts_of(&p->parts, points[i].time) == k) which[(*some)++] = i;
         if (*some > 0) status = begin_part(renderer, camera, p, k, error);
-    } while (status == TIDES_OK && p->parts != parts);
+    } while (status == TIDES_OK && p->parts.count != parts);
     return status;
 }
 
@@ -376,8 +346,11 @@ static tides_status begin_points(tides_renderer *renderer, const tides_trajector
                                  size_t count, td_point_value *values, tides_error *error) {
     tides_status status = td_renew((void **)&p->which, &p->which_capacity, 2 * count, sizeof *p->which, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &p->at, &points[i], error);
-    if (status == TIDES_OK) status = begin_interval(p, error);
-    for (int k = 0; k < p->parts && status == TIDES_OK; k++) {
+    if (status == TIDES_OK && td_point_parts_are_others(&p->parts, &p->at)) {
+        p->begun = -1;
+        status = td_point_parts_begin(&p->parts, &p->at, error);
+    }
+    for (int k = 0; k < p->parts.count && status == TIDES_OK; k++) {
         int some = 0;
         status = finish_launch(p, error); /* the next part overwrites the running launch's list of points */
         if (status == TIDES_OK) status = choose_part(renderer, camera, p, k, points, (int)count, p->which, &some, error);
@@ -398,7 +371,8 @@ static td_points *of_swept(tides_renderer *renderer) {
     const td_candidates *lists = &renderer->candidates;
     const double *swept = renderer->sweep.interval;
     const double shortest = (swept[1] - swept[0]) / (1 << td_dynamic_finest(&renderer->dynamic));
-    renderer->points->at = (td_point_span){lists->first, lists->list, swept[0], swept[1], shortest, lists->serial};
+    renderer->points->at =
+        (td_point_span){lists->first, lists->list, renderer->sweep.boxes, swept[0], swept[1], shortest, lists->serial};
     return renderer->points;
 }
 
@@ -428,10 +402,10 @@ void td_renderer_points_drop(tides_renderer *renderer) {
 
 int td_renderer_points_go_on(const tides_renderer *renderer) {
     const td_points *p = renderer->points;
-    return p && !renderer->colour_filter && p->engine->goes_on && p->parts <= 1;
+    return p && !renderer->colour_filter && p->engine->goes_on && p->parts.count <= 1;
 }
 
-/* Keeps the instant's views: open paths may forget it before its points are requested. */
+/* Keeps the objects' views at the instant: open paths may forget it before its rows are asked for. */
 static tides_status keep_views(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
     const size_t objects = (size_t)renderer->store.objects;
     tides_status status = td_renderer_views(renderer, camera, renderer->sweep.interval, 1, error);
@@ -445,6 +419,7 @@ static tides_status keep_views(tides_renderer *renderer, const tides_trajectory 
 static tides_status keep_instant(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
     const td_candidates *lists = &renderer->candidates;
     const size_t tiles = (size_t)renderer->stats.tiles + 1, candidates = (size_t)lists->first[tiles - 1];
+    const size_t gaussians = (size_t)renderer->store.count;
     const double *swept = renderer->sweep.interval;
     td_points_destroy(renderer->kept);
     renderer->kept = NULL;
@@ -454,10 +429,12 @@ static tides_status keep_instant(tides_renderer *renderer, const tides_trajector
     td_points *p = renderer->kept;
     p->own_first = td_alloc(tiles, sizeof *p->own_first, error);
     p->own_list = td_alloc(candidates + 1, sizeof *p->own_list, error);
-    if (!p->own_first || !p->own_list) return TIDES_NO_MEMORY;
+    p->own_boxes = td_alloc(gaussians, 4 * sizeof *p->own_boxes, error);
+    if (!p->own_first || !p->own_list || !p->own_boxes) return TIDES_NO_MEMORY;
+    memcpy(p->own_boxes, renderer->sweep.boxes, gaussians * 4 * sizeof *p->own_boxes);
     memcpy(p->own_first, lists->first, tiles * sizeof *p->own_first);
     memcpy(p->own_list, lists->list, candidates * sizeof *p->own_list);
-    p->at = (td_point_span){p->own_first, p->own_list, swept[0], swept[0], 0, lists->serial};
+    p->at = (td_point_span){p->own_first, p->own_list, p->own_boxes, swept[0], swept[0], 0, lists->serial};
     return TIDES_OK;
 }
 
@@ -467,8 +444,10 @@ tides_status td_renderer_keep_instant(tides_renderer *renderer, const tides_traj
     return status;
 }
 
+/* Paths of earlier points are kept only while they are few: nobody asks twice about the instant. */
 static tides_status kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error) {
+    if (renderer->kept->nodes.made > renderer->kept->nodes.group) renderer->kept->begun = -1;
     return exact_points(renderer, camera, renderer->kept, points, count, values, error);
 }
 

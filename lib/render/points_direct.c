@@ -2,6 +2,7 @@
  * is given to an engine as if it were an interval. Each point is a tile with its own list, each of its splats a Gaussian with
  * one row, and its curve is that of an instant: value and rate. */
 #include "td_points_direct.h"
+#include "td_points_wanted.h"
 #include "td_renderer.h"
 
 #include <math.h>
@@ -29,31 +30,33 @@ void td_points_direct_release(td_points_direct *direct) {
     free(direct->bent);
     free(direct->lists);
     free(direct->numbers);
+    free(direct->sights);
 }
 
 /* -- pixels that see a splat without a curve
  * ------------------------------------------------------------------------------------------------- */
 
-/* Marks the pixels that a box touches. */
+/* The pixels that may see it. */
 static void mark(const tides_renderer *renderer, const float *box, uint8_t *bent) {
-    const int width = renderer->image.width, height = renderer->image.height;
-    const int x0 = box[0] > 0 ? (int)box[0] : 0, y0 = box[1] > 0 ? (int)box[1] : 0;
-    const int x1 = box[2] < (float)(width - 1) ? (int)box[2] : width - 1,
-              y1 = box[3] < (float)(height - 1) ? (int)box[3] : height - 1;
-    for (int y = y0; y <= y1; y++)
-        for (int x = x0; x <= x1; x++) bent[(size_t)y * (size_t)width + (size_t)x] = 1;
+    const td_sight sight = td_sight_of(&renderer->image, box);
+    for (int y = sight.y0; y < sight.y1; y++)
+        for (int x = sight.x0; x < sight.x1; x++) bent[(size_t)y * (size_t)renderer->image.width + (size_t)x] = 1;
 }
 
-tides_status td_points_direct_begin(const tides_renderer *renderer, const td_point_nodes *nodes, td_points_direct *direct,
-                                    tides_error *error) {
-    const size_t pixels = (size_t)renderer->image.width * (size_t)renderer->image.height;
-    direct->any = nodes->direct > 0;
-    if (!direct->any) return TIDES_OK;
-    if (!direct->bent) direct->bent = td_alloc(pixels, 1, error);
-    if (!direct->bent) return TIDES_NO_MEMORY;
-    memset(direct->bent, 0, pixels);
-    for (int i = 0; i < nodes->count; i++)
-        if (nodes->is_direct[i]) mark(renderer, renderer->sweep.boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
+void td_points_direct_clear(const tides_renderer *renderer, td_points_direct *direct) {
+    if (direct->any) memset(direct->bent, 0, (size_t)renderer->image.width * (size_t)renderer->image.height);
+    direct->any = 0;
+}
+
+tides_status td_points_direct_add(const tides_renderer *renderer, const td_point_nodes *nodes, const float *boxes,
+                                  td_points_direct *direct, tides_error *error) {
+    for (int i = 0; i < nodes->count; i++) {
+        if (!nodes->is_direct[i]) continue;
+        if (!direct->bent) direct->bent = td_alloc((size_t)renderer->image.width * (size_t)renderer->image.height, 1, error);
+        if (!direct->bent) return TIDES_NO_MEMORY;
+        direct->any = 1;
+        mark(renderer, boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
+    }
     return TIDES_OK;
 }
 
@@ -89,7 +92,9 @@ static tides_status reserve(td_points_direct *direct, int more, tides_error *err
     if (status == TIDES_OK) status = td_reserve((void **)&nodes->first, &capacity[1], wanted, sizeof *nodes->first, error);
     if (status == TIDES_OK) status = td_reserve((void **)&nodes->level, &capacity[2], wanted, sizeof *nodes->level, error);
     if (status == TIDES_OK) status = td_reserve((void **)&nodes->open_at, &capacity[3], wanted, sizeof *nodes->open_at, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&nodes->path, &capacity[4], wanted, sizeof *nodes->path, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&nodes->own, &capacity[4], wanted, sizeof *nodes->own, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&direct->sights, &capacity[5], 2 * wanted, sizeof *direct->sights, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * wanted, sizeof *nodes->row, error);
     if (status == TIDES_OK)
@@ -122,7 +127,9 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
         nodes->first[own] = nodes->row[2 * own] = nodes->row[2 * own + 1] = direct->numbers[own] = own;
         nodes->level[own] = 0;
         nodes->open_at[own] = -1;
-        nodes->path[own] = own * TD_PATH_LEVELS;
+        nodes->own[own] = own * TD_PATH_LEVELS;
+        direct->sights[2 * own] = TD_SIGHT_END * renderer->image.width; /* all: its list is this pixel's alone */
+        direct->sights[2 * own + 1] = TD_SIGHT_END * renderer->image.height;
         nodes->length[own] = TD_POINT_INSTANT;
         direct->lists[(*listed)++] = own;
         nodes->count++;
@@ -141,20 +148,22 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
 /* Gives a lot, whose rows are ready, to the engine as an interval. */
 static tides_status look(const tides_renderer *renderer, td_points_direct *direct, int points, int listed, tides_error *error) {
     const td_point_nodes *nodes = &direct->nodes;
-    const td_points_interval interval = {.path = nodes->path,
-                                         .gaussians = nodes->count,
-                                         .exact = nodes->exact,
-                                         .row_count = nodes->rows + 1,
-                                         .row = nodes->row,
-                                         .lengths = nodes->length,
+    const td_points_interval interval = {.gaussians = nodes->count,
                                          .curves = nodes->count,
                                          .slices = {1, 1, 0, 1},
-                                         .seen = direct->numbers,
-                                         .seen_count = nodes->count,
                                          .candidates = direct->lists,
                                          .candidate_count = listed,
                                          .tiles = direct->tiles,
                                          .tile_count = points};
+    const td_points_group all = {.exact = nodes->exact,
+                                 .row_count = nodes->rows + 1,
+                                 .row = nodes->row,
+                                 .lengths = nodes->length,
+                                 .curves = nodes->count,
+                                 .seen = direct->numbers,
+                                 .path = nodes->own,
+                                 .sights = direct->sights,
+                                 .seen_count = nodes->count};
     const td_points_batch batch = {{direct->column[0], direct->column[1], direct->column[2], direct->column[3]},
                                    direct->piece,
                                    points,
@@ -163,6 +172,7 @@ static tides_status look(const tides_renderer *renderer, td_points_direct *direc
                                    td_points_backdrop_of(&renderer->image, renderer->scratch.backdrops)};
     td_points_engine *engine = direct->engine;
     tides_status status = engine->type->begin(engine, &interval, error);
+    if (status == TIDES_OK) status = engine->type->add(engine, &all, error);
     if (status == TIDES_OK) status = engine->type->lists(engine, direct->numbers, points, error);
     if (status == TIDES_OK) status = engine->type->values(engine, &batch, direct->values, error);
     return status == TIDES_OK ? engine->type->finish(engine, error) : status;

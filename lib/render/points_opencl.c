@@ -11,8 +11,9 @@ enum {
     CURVE_REALS = 32,       /* TD_CURVE_REALS */
     BESIDE_REALS = 8,       /* TD_BESIDE_REALS */
     TEST_REALS = 8,         /* TD_TEST_REALS */
-    /* Work-items: on a CPU, one per thread, and they take chunks in turn. On a GPU, as many as fit into the memory for their
-     * scratch, but no more than fill a large GPU several times over. */
+    LIST_INTS = 4,          /* TD_LIST_INTS */
+    /* Work-items: on a CPU one for each of its threads, which take turns; on a GPU as many as memory for their rooms has
+     * room for, up to what fills a large one several times over. */
     GPU_WORKERS = 1 << 16,
     GPU_GROUP = 64
 };
@@ -25,12 +26,12 @@ typedef struct opencl_points {
     tides_device *device;
     cl_kernel misfit_kernel, splat_kernel, list_kernel, value_kernel;
     td_buffer image;
-    td_buffer first, piece_lengths, misfits;                 /* paths that are tried */
-    td_buffer path, row, lengths, curves, candidates, tiles; /* an interval */
-    td_buffer seen, depths, records;                         /* its splats */
-    td_buffer wanted, keys, listed, tests, counts;           /* its lists */
-    td_buffer columns, piece, chunks, values, turn;          /* a batch */
-    td_buffer entries, beside;                               /* beside: curves of green and blue */
+    td_buffer first, piece_lengths, misfits;                            /* paths that are tried */
+    td_buffer path, sights, curves, candidates, tiles, depths, records; /* an interval */
+    td_buffer row, lengths, seen, own, own_sights;                      /* a group of its splats */
+    td_buffer wanted, keys, places, tests, counts;                      /* lists */
+    td_buffer columns, piece, chunks, values, turn;                     /* a batch */
+    td_buffer entries, beside;                                          /* beside: curves of green and blue */
     int is_coded;
     td_points_interval at;
     int longest; /* length of the longest list */
@@ -89,46 +90,78 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
     return status;
 }
 
-static tides_status make_splats(opencl_points *p, tides_error *error) {
-    const cl_int count = p->at.seen_count;
+static tides_status make_splats(opencl_points *p, const td_points_group *added, tides_error *error) {
+    const cl_int count = added->seen_count, from = added->first;
     size_t local, global = td_even_items(p->base.lanes, count, &local);
-    const td_buffer *rows = p->at.exact ? td_exact_row_buffer(p->at.exact) : &p->image;
-    const td_buffer *rows_beside = p->at.exact ? td_exact_beside_buffer(p->at.exact) : &p->image;
+    const td_buffer *rows = added->exact ? td_exact_row_buffer(added->exact) : &p->image;
+    const td_buffer *rows_beside = added->exact ? td_exact_beside_buffer(added->exact) : &p->image;
     const td_points_slices *slices = &p->at.slices;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),     {rows, NULL, 0},
-                                     TD_BUFFER_ARGUMENT(p->row),       TD_BUFFER_ARGUMENT(p->lengths),
-                                     TD_BUFFER_ARGUMENT(p->seen),      TD_VALUE_ARGUMENT(count),
-                                     TD_BUFFER_ARGUMENT(p->path),      TD_VALUE_ARGUMENT(slices->pieces),
-                                     TD_VALUE_ARGUMENT(slices->count), TD_VALUE_ARGUMENT(slices->split),
-                                     TD_VALUE_ARGUMENT(slices->group), TD_BUFFER_ARGUMENT(p->curves),
-                                     TD_BUFFER_ARGUMENT(p->depths),    TD_BUFFER_ARGUMENT(p->records),
-                                     {rows_beside, NULL, 0},           TD_BUFFER_ARGUMENT(p->beside)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
+                                     {rows, NULL, 0},
+                                     TD_BUFFER_ARGUMENT(p->row),
+                                     TD_BUFFER_ARGUMENT(p->lengths),
+                                     TD_BUFFER_ARGUMENT(p->seen),
+                                     TD_BUFFER_ARGUMENT(p->own),
+                                     TD_BUFFER_ARGUMENT(p->own_sights),
+                                     TD_VALUE_ARGUMENT(count),
+                                     TD_VALUE_ARGUMENT(from),
+                                     TD_BUFFER_ARGUMENT(p->path),
+                                     TD_BUFFER_ARGUMENT(p->sights),
+                                     TD_VALUE_ARGUMENT(slices->pieces),
+                                     TD_VALUE_ARGUMENT(slices->count),
+                                     TD_VALUE_ARGUMENT(slices->split),
+                                     TD_VALUE_ARGUMENT(slices->group),
+                                     TD_BUFFER_ARGUMENT(p->curves),
+                                     TD_BUFFER_ARGUMENT(p->depths),
+                                     TD_BUFFER_ARGUMENT(p->records),
+                                     {rows_beside, NULL, 0},
+                                     TD_BUFFER_ARGUMENT(p->beside)};
     return td_launch(p->device, p->splat_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
-/* Copies an interval's data, makes its splats' curves, and makes room for its lists. */
+/* Room for so many curves; those that there are stay. */
+static tides_status grow_curves(opencl_points *p, size_t curves, tides_error *error) {
+    const tides_status status = td_buffer_grow(p->device, &p->curves, (curves + 1) * CURVE_REALS * sizeof(cl_double), error);
+    if (status != TIDES_OK) return status;
+    return td_buffer_grow(p->device, &p->beside, p->is_coded ? (curves + 1) * BESIDE_REALS * sizeof(cl_double) : 1, error);
+}
+
+/* Reserves curves, of which there are none yet. If the host's memory is the device's, memory that isn't written takes no room,
+ * so room for all possible curves costs nothing. Elsewhere it grows with the requests. */
+static tides_status reserve_curves(opencl_points *p, int count, tides_error *error) {
+    const size_t curves = p->device->near ? (size_t)count + 1 : 1, beside = p->is_coded ? curves * BESIDE_REALS : 1;
+    const tides_status status = td_buffer_reserve(p->device, &p->curves, curves * CURVE_REALS * sizeof(cl_double), error);
+    return status == TIDES_OK ? td_buffer_reserve(p->device, &p->beside, beside * sizeof(cl_double), error) : status;
+}
+
+/* Clears the paths: no Gaussian has one. */
+static tides_status clear_paths(opencl_points *p, int gaussians, tides_error *error) {
+    int *none = td_alloc((size_t)gaussians, sizeof *none, error);
+    if (!none) return TIDES_NO_MEMORY;
+    for (int i = 0; i < gaussians; i++) none[i] = TD_PATH_UNSEEN;
+    const tides_status status = td_buffer_write(p->device, &p->path, none, (size_t)gaussians * sizeof *none, error);
+    free(none);
+    return status;
+}
+
+/* The interval's own data, and room for its splats and lists. */
 static tides_status begin(td_points_engine *engine, const td_points_interval *interval, tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
     size_t candidates = (size_t)interval->candidate_count + TD_PAD, tiles = (size_t)interval->tile_count;
-    size_t curves = (size_t)interval->curves, gaussians = (size_t)interval->gaussians;
+    size_t gaussians = (size_t)interval->gaussians;
     size_t each = (size_t)interval->slices.count * TEST_REALS * sizeof(cl_float);
     const struct {
         td_buffer *buffer;
         const void *data; /* NULL: only room */
         size_t bytes;
     } wanted[] = {
-        {&p->path, interval->path, gaussians * sizeof(cl_int)},
-        {&p->row, interval->row, 2 * curves * sizeof(cl_int)},
-        {&p->lengths, interval->lengths, curves * sizeof(cl_double)},
-        {&p->curves, NULL, curves * CURVE_REALS * sizeof(cl_double)},
-        {&p->beside, NULL, p->is_coded ? curves * BESIDE_REALS * sizeof(cl_double) : 0},
         {&p->candidates, interval->candidates, (size_t)interval->candidate_count * sizeof(cl_int)},
         {&p->tiles, interval->tiles, tiles * sizeof *interval->tiles},
         {&p->wanted, NULL, tiles * sizeof(cl_int)},
         {&p->keys, NULL, 2 * candidates * sizeof(cl_long)},
-        {&p->listed, NULL, candidates * sizeof(cl_int)},
+        {&p->places, NULL, candidates * LIST_INTS * sizeof(cl_int)},
+        {&p->sights, NULL, 2 * gaussians * sizeof(cl_int)},
         {&p->tests, NULL, candidates * each},
-        {&p->seen, interval->seen, (size_t)interval->seen_count * sizeof(cl_int)},
         {&p->depths, NULL, gaussians * sizeof(cl_int)},
         {&p->records, NULL, gaussians * each},
         {&p->counts, NULL, tiles * sizeof(cl_int)},
@@ -141,19 +174,32 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
             status = td_buffer_write(p->device, wanted[i].buffer, wanted[i].data, wanted[i].bytes, error);
         if (status != TIDES_OK) return status;
     }
-    return make_splats(p, error);
+    tides_status status = clear_paths(p, interval->gaussians, error);
+    return status == TIDES_OK ? reserve_curves(p, interval->curves, error) : status;
+}
+
+static tides_status add(td_points_engine *engine, const td_points_group *added, tides_error *error) {
+    opencl_points *p = (opencl_points *)engine;
+    const size_t curves = (size_t)added->curves, seen = (size_t)added->seen_count * sizeof(cl_int);
+    tides_status status = grow_curves(p, (size_t)added->first + curves, error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->row, added->row, 2 * curves * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->lengths, added->lengths, curves * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->seen, added->seen, seen, error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->own, added->path, seen, error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->own_sights, added->sights, 2 * seen, error);
+    return status == TIDES_OK ? make_splats(p, added, error) : status;
 }
 
 static tides_status lists(td_points_engine *engine, const int *tiles, int count, tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
     if (count == 0) return TIDES_OK;
     size_t local = on_gpu(p) ? GPU_GROUP : 1, global = (size_t)count * local;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->tiles),          TD_BUFFER_ARGUMENT(p->wanted),
-                                     TD_BUFFER_ARGUMENT(p->candidates),     TD_BUFFER_ARGUMENT(p->path),
-                                     TD_BUFFER_ARGUMENT(p->depths),         TD_BUFFER_ARGUMENT(p->records),
-                                     TD_VALUE_ARGUMENT(p->at.slices.count), TD_BUFFER_ARGUMENT(p->keys),
-                                     TD_BUFFER_ARGUMENT(p->listed),         TD_BUFFER_ARGUMENT(p->tests),
-                                     TD_BUFFER_ARGUMENT(p->counts)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->tiles),      TD_BUFFER_ARGUMENT(p->wanted),
+                                     TD_BUFFER_ARGUMENT(p->candidates), TD_BUFFER_ARGUMENT(p->path),
+                                     TD_BUFFER_ARGUMENT(p->sights),     TD_BUFFER_ARGUMENT(p->depths),
+                                     TD_BUFFER_ARGUMENT(p->records),    TD_VALUE_ARGUMENT(p->at.slices.count),
+                                     TD_BUFFER_ARGUMENT(p->keys),       TD_BUFFER_ARGUMENT(p->places),
+                                     TD_BUFFER_ARGUMENT(p->tests),      TD_BUFFER_ARGUMENT(p->counts)};
     tides_status status = td_buffer_write(p->device, &p->wanted, tiles, (size_t)count * sizeof *tiles, error);
     if (status == TIDES_OK)
         status = td_launch(p->device, p->list_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
@@ -204,7 +250,7 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
                                      TD_VALUE_ARGUMENT(p->at.slices.count),
                                      TD_VALUE_ARGUMENT(p->at.slices.split),
                                      TD_VALUE_ARGUMENT(p->at.slices.group),
-                                     TD_BUFFER_ARGUMENT(p->listed),
+                                     TD_BUFFER_ARGUMENT(p->places),
                                      TD_BUFFER_ARGUMENT(p->tests),
                                      TD_BUFFER_ARGUMENT(p->columns),
                                      TD_VALUE_ARGUMENT(stride),
@@ -245,10 +291,10 @@ static tides_status finish(td_points_engine *engine, tides_error *error) {
 
 static void destroy(td_points_engine *engine) {
     opencl_points *p = (opencl_points *)engine;
-    td_buffer *buffers[] = {&p->first,      &p->piece_lengths, &p->misfits, &p->image,  &p->path,    &p->row,    &p->curves,
-                            &p->candidates, &p->lengths,       &p->tiles,   &p->wanted, &p->keys,    &p->listed, &p->seen,
-                            &p->depths,     &p->records,       &p->tests,   &p->counts, &p->columns, &p->piece,  &p->chunks,
-                            &p->values,     &p->turn,          &p->entries, &p->beside};
+    td_buffer *buffers[] = {&p->first,   &p->piece_lengths, &p->misfits, &p->image,   &p->path,       &p->sights,  &p->row,
+                            &p->curves,  &p->candidates,    &p->lengths, &p->tiles,   &p->wanted,     &p->keys,    &p->places,
+                            &p->seen,    &p->own,           &p->depths,  &p->records, &p->own_sights, &p->tests,   &p->counts,
+                            &p->columns, &p->piece,         &p->chunks,  &p->values,  &p->turn,       &p->entries, &p->beside};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
     if (p->splat_kernel) clReleaseKernel(p->splat_kernel);
@@ -257,7 +303,7 @@ static void destroy(td_points_engine *engine) {
     free(p);
 }
 
-static const td_points_class opencl_points_class = {misfits, begin, lists, values, finish, destroy};
+static const td_points_class opencl_points_class = {misfits, begin, add, lists, values, finish, destroy};
 
 /* Sends the image in double: reals, then ints. */
 static tides_status write_image(opencl_points *p, const td_image_numbers *image, tides_error *error) {
@@ -297,19 +343,14 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
     static const td_points_tile nothing = {0, 0, 0, 0};
     static const int none[TD_PAD] = {0};
     static const double no_length[2] = {0, 1};
-    const td_points_interval interval = {.path = none,
-                                         .gaussians = 1,
-                                         .row = none,
-                                         .lengths = no_length,
-                                         .slices = {1, 1, 0, 1},
-                                         .candidates = none,
-                                         .candidate_count = 1,
-                                         .tiles = &nothing,
-                                         .tile_count = 1};
+    const td_points_interval interval =
+        {.gaussians = 1, .slices = {1, 1, 0, 1}, .candidates = none, .candidate_count = 1, .tiles = &nothing, .tile_count = 1};
+    const td_points_group nothing_added = {.row = none, .lengths = no_length, .seen = none, .path = none, .sights = none};
     const td_points_batch batch = {{no_length, no_length, no_length, no_length}, none, 0, NULL, 0, {0, 0, 0, 0}};
     const td_points_misfits nobody = {NULL, 1, none, 0, 1, no_length, 1, 1};
     td_buffer *misfit_buffers[] = {&p->first, &p->piece_lengths, &p->misfits};
     tides_status status = begin(&p->base, &interval, error);
+    if (status == TIDES_OK) status = add(&p->base, &nothing_added, error);
     for (int i = 0; i < 3 && status == TIDES_OK; i++)
         status = td_buffer_reserve(p->device, misfit_buffers[i], sizeof(cl_double), error);
     if (status == TIDES_OK) status = launch_misfits(p, &p->image, &p->image, &nobody, 0, error);

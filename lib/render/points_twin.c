@@ -19,14 +19,16 @@ typedef struct twin {
     td_image image;
     td_points_interval interval;
     double *rows, *curves;
-    double *rows_beside, *beside; /* green and blue of these, if light isn't linear in colours */
-    float *records;               /* (gaussians x slices x TD_TEST_REALS) test boxes of each */
-    int *listed;                  /* (candidate_count) the lists */
+    double *rows_beside, *beside; /* green and blue of these, where light isn't linear in colours */
+    int *path;                    /* (gaussians) first curve * TD_PATH_LEVELS + level; below 0: none */
+    int *sights;                  /* (2 x gaussians) pixels that may see each */
+    float *records;               /* (gaussians x slices x TD_TEST_REALS) tests of each */
+    int *places;                  /* (candidate_count x TD_LIST_INTS) the lists */
     float *tests;                 /* (candidate_count x slices x TD_TEST_REALS) */
     int *count;                   /* (tile_count) number of splats in each list */
     twin_key *keys;
-    double *entries; /* of one point */
-    size_t list_capacity[4], curve_capacity, rows_capacity, rows_beside_capacity, beside_capacity, key_capacity, entry_capacity;
+    double *entries; /* of a point */
+    size_t list_capacity[6], curve_capacity, rows_capacity, rows_beside_capacity, beside_capacity, key_capacity, entry_capacity;
 } twin;
 
 typedef char td_point_tile_is_as_here[sizeof(td_point_tile) == sizeof(td_points_tile) ? 1 : -1];
@@ -40,7 +42,7 @@ static int key_order(const void *a, const void *b) {
 
 static td_point_paths paths_of(const twin *t) {
     const td_points_slices *s = &t->interval.slices;
-    const td_point_paths paths = {t->interval.path, t->curves, {s->pieces, s->count, s->split, s->group}, t->beside};
+    const td_point_paths paths = {t->curves, {s->pieces, s->count, s->split, s->group}, t->beside};
     return paths;
 }
 
@@ -71,23 +73,24 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
     return status;
 }
 
-static void make_curve(const twin *t, int i) {
-    const size_t curve = (size_t)i, from = (size_t)t->interval.row[2 * i], to = (size_t)t->interval.row[2 * i + 1];
-    const double h = t->interval.lengths[i];
+/* Curve i of a group. */
+static void make_curve(const twin *t, const td_points_group *added, int i) {
+    const size_t curve = (size_t)added->first + (size_t)i;
+    const size_t from = (size_t)added->row[2 * i], to = (size_t)added->row[2 * i + 1];
+    const double h = added->lengths[i];
     td_point_curve(t->rows + from * TD_PATH_STRIDE, t->rows + to * TD_PATH_STRIDE, h, t->curves + curve * TD_CURVE_REALS);
     if (t->image.is_coded)
         td_point_curve_beside(t->rows_beside + from * TD_BESIDE_STRIDE, t->rows_beside + to * TD_BESIDE_STRIDE, h,
                               t->beside + curve * TD_BESIDE_REALS);
 }
 
-/* Makes the test boxes of all Gaussians with paths. */
-static void make_records(twin *t) {
+/* Tests of a group. */
+static void make_records(twin *t, const td_points_group *added) {
     const td_point_paths paths = paths_of(t);
-    for (int i = 0; i < t->interval.seen_count; i++)
+    for (int i = 0; i < added->seen_count; i++)
         for (int slice = 0; slice < paths.slices.count; slice++) {
-            const int gaussian = t->interval.seen[i];
-            const size_t at = ((size_t)gaussian * (size_t)paths.slices.count + (size_t)slice) * TD_TEST_REALS;
-            td_point_make_tests(&paths, &t->image, slice, &t->interval.path[gaussian], t->records, &at);
+            const size_t at = ((size_t)added->seen[i] * (size_t)paths.slices.count + (size_t)slice) * TD_TEST_REALS;
+            td_point_make_tests(&paths, &t->image, slice, &added->path[i], t->records, &at);
         }
 }
 
@@ -95,21 +98,33 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
     twin *t = (twin *)engine;
     size_t candidates = (size_t)interval->candidate_count, tiles = (size_t)interval->tile_count;
     size_t each = (size_t)interval->slices.count * TD_TEST_REALS, *capacity = t->list_capacity;
+    size_t gaussians = (size_t)interval->gaussians;
     t->interval = *interval;
-    tides_status status = td_reserve((void **)&t->listed, &capacity[0], candidates, sizeof *t->listed, error);
+    tides_status status = td_reserve((void **)&t->places, &capacity[0], candidates * TD_LIST_INTS, sizeof *t->places, error);
     if (status == TIDES_OK) status = td_reserve((void **)&t->tests, &capacity[1], candidates * each, sizeof *t->tests, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&t->records, &capacity[3], (size_t)interval->gaussians * each, sizeof *t->records, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&t->curves, &t->curve_capacity, (size_t)interval->curves * TD_CURVE_REALS,
-                            sizeof *t->curves, error);
-    if (status == TIDES_OK && t->image.is_coded)
-        status = td_reserve((void **)&t->beside, &t->beside_capacity, (size_t)interval->curves * TD_BESIDE_REALS,
-                            sizeof *t->beside, error);
-    if (status == TIDES_OK) status = take_rows(t, interval->exact, interval->row_count, error);
-    for (int i = 0; i < interval->curves && status == TIDES_OK; i++) make_curve(t, i);
-    if (status == TIDES_OK) make_records(t);
+        status = td_reserve((void **)&t->records, &capacity[3], gaussians * each, sizeof *t->records, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&t->sights, &capacity[4], 2 * gaussians, sizeof *t->sights, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&t->path, &capacity[5], gaussians, sizeof *t->path, error);
     if (status == TIDES_OK) status = td_reserve((void **)&t->count, &capacity[2], tiles, sizeof *t->count, error);
+    for (size_t i = 0; i < gaussians && status == TIDES_OK; i++) t->path[i] = TD_PATH_UNSEEN;
+    return status;
+}
+
+static tides_status add(td_points_engine *engine, const td_points_group *added, tides_error *error) {
+    twin *t = (twin *)engine;
+    const size_t curves = (size_t)added->first + (size_t)added->curves;
+    tides_status status =
+        td_reserve((void **)&t->curves, &t->curve_capacity, curves * TD_CURVE_REALS, sizeof *t->curves, error);
+    if (status == TIDES_OK && t->image.is_coded)
+        status = td_reserve((void **)&t->beside, &t->beside_capacity, curves * TD_BESIDE_REALS, sizeof *t->beside, error);
+    if (status == TIDES_OK) status = take_rows(t, added->exact, added->row_count, error);
+    for (int i = 0; i < added->curves && status == TIDES_OK; i++) make_curve(t, added, i);
+    for (int i = 0; i < added->seen_count && status == TIDES_OK; i++) {
+        t->path[added->seen[i]] = added->path[i];
+        memcpy(t->sights + 2 * (size_t)added->seen[i], added->sights + 2 * i, 2 * sizeof *t->sights);
+    }
+    if (status == TIDES_OK) make_records(t, added);
     return status;
 }
 
@@ -124,13 +139,18 @@ static void make_list(twin *t, int number) {
     const td_point_paths paths = paths_of(t);
     int count = 0;
     for (int i = tile.first; i < tile.first + tile.count; i++) {
-        const int gaussian = t->interval.candidates[i], path = gaussian < 0 ? -1 : t->interval.path[gaussian];
+        const int gaussian = t->interval.candidates[i], path = gaussian < 0 ? -1 : t->path[gaussian];
         if (path >= 0) t->keys[count++] = (twin_key){td_point_depth_key(&paths, path), i, path, gaussian};
     }
     t->count[number] = count;
     if (count == 0) return; /* keys and tests may be NULL */
     qsort(t->keys, (size_t)count, sizeof *t->keys, key_order);
-    for (int i = 0; i < count; i++) t->listed[tile.first + i] = t->keys[i].path;
+    for (int i = 0; i < count; i++) {
+        int *place = t->places + (size_t)(tile.first + i) * TD_LIST_INTS;
+        const int *sight = t->sights + 2 * (size_t)t->keys[i].gaussian;
+        place[TD_L_PATH] = t->keys[i].path, place[TD_L_NUMBER] = t->keys[i].gaussian;
+        place[TD_L_COLUMNS] = sight[0], place[TD_L_ROWS] = sight[1];
+    }
     const int groups = (count + TD_PAD - 1) / TD_PAD;
     for (int slice = 0; slice < paths.slices.count; slice++) {
         float *tests = t->tests + td_point_tests_at(&tile, paths.slices.count, slice);
@@ -157,7 +177,7 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
 static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {
     twin *t = (twin *)engine;
     const td_point_paths paths = paths_of(t);
-    const td_point_lists all = {t->listed, t->tests};
+    const td_point_lists all = {t->places, t->tests};
     const td_points_backdrop *given_backdrop = &batch->backdrop;
     const td_point_backdrop behind = {given_backdrop->first, given_backdrop->first_dot, given_backdrop->green,
                                       given_backdrop->blue};
@@ -183,7 +203,9 @@ static tides_status finish(td_points_engine *engine, tides_error *error) {
 static void destroy(td_points_engine *engine) {
     twin *t = (twin *)engine;
     free(t->records);
-    free(t->listed);
+    free(t->path);
+    free(t->sights);
+    free(t->places);
     free(t->tests);
     free(t->rows);
     free(t->curves);
@@ -195,7 +217,7 @@ static void destroy(td_points_engine *engine) {
     free(t);
 }
 
-static const td_points_class twin_class = {misfits, begin, lists, values, finish, destroy};
+static const td_points_class twin_class = {misfits, begin, add, lists, values, finish, destroy};
 
 tides_status td_points_create_twin(const td_image_numbers *image, td_points_engine **engine, tides_error *error) {
     twin *t = td_alloc(1, sizeof *t, error);

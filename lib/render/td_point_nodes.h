@@ -1,5 +1,5 @@
-/* Internal to lib/render: record paths in double precision, for points: which Gaussians have which nodes in the interval
- * swept last, their rows, and the curves between them. */
+/* Internal to lib/render: record paths in double precision for single pixels (points.c): which Gaussians have which nodes in
+ * the interval swept last, their rows, and the curves between those. They are made for a group of Gaussians at a time. */
 #ifndef TD_POINT_NODES_H
 #define TD_POINT_NODES_H
 
@@ -15,7 +15,8 @@
 
 /* The interval in which points are requested, or a part of it: candidate lists, begin and end. */
 typedef struct td_point_span {
-    const int *first, *list; /* as in td_candidates */
+    const int *first, *list; /* as td_candidates has them */
+    const float *boxes;      /* (store.count x 4) what each Gaussian in a list touches */
     double start, stop;      /* [s after the epoch] */
     double shortest;         /* least length of a part that is cut because paths bend [s] */
     uint64_t serial;         /* identifies the swept interval */
@@ -32,28 +33,34 @@ typedef struct td_point_nodes {
     double *knot;    /* (pieces + 1) ends of the pieces of the interval [s after the epoch] */
     int pieces;
     double *piece_length; /* (pieces) [s] */
-    int *path;            /* (store.count) as in td_points_interval */
-    int *gaussians;       /* (count) Gaussians in some list */
+    int *path;            /* (store.count) first curves * TD_PATH_LEVELS + level; or TD_PATH_UNSEEN, ... */
+    int *listed;          /* (listed_count) those in a list, rising; so many have paths */
+    int listed_count, made;
+    int curves;  /* of all that have paths */
+    int *wanted; /* (wanted_count, at most listed_count) the next to get paths, rising */
+    int wanted_count;
+    int group, some; /* so many are made together at most, and of more so many tell what pieces all have */
+    int *gaussians;  /* (count) the group at hand, from here on; */
     int count;
-    uint8_t *level; /* (count) 2^level curves per piece */
-    int *open_at;   /* (count) for a level whose rows come from the previous level, except for open curves: */
-    uint8_t *open;  /* from open[open_at[i]] on, 1 for each open curve of the previous level; -1: all rows are computed */
+    int *own;       /* (count) their paths */
+    uint8_t *level; /* (count) 2^level curves a piece */
+    int *open_at;   /* (count) of those that have a level's rows from the one before, but for what was open: */
+    uint8_t *open;  /* from open[open_at[i]] on, each curve of the level before that; -1: all rows are their own */
     int open_count;
     int *halve_from, *halve_to; /* (halves) first rows, in a level and in the next one */
     int halves;
     int *first; /* (count + TD_PAD) first rows */
     int rows;
-    int *row;       /* (2 x curves) rows at which each curve begins and ends */
-    double *length; /* (curves) [s] */
-    int curves;
-    double halve;       /* time at which the span must be cut into parts with their own rows; NAN: the rows are complete */
-    uint8_t *is_direct; /* (count) 1: no curve follows the Gaussian, so points that may see it project all at their own time */
-    int direct;         /* number of those */
-    int moving, bent;   /* Gaussians that move; those with too large an error */
-    int *tried;         /* (count + TD_PAD) first rows of a level, */
-    td_points_fit fit;  /* and the errors of their cubics: (count + TD_PAD) */
-    double *time;       /* of the nodes of a level */
-    int *entry, *at;    /* (entries) Gaussians and rows of the jobs */
+    int *row;       /* (2 x group_curves) the rows that each begins and ends with */
+    double *length; /* (group_curves) [s] */
+    int group_curves;
+    double halve;       /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
+    uint8_t *is_direct; /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c) */
+    int moving, bent;   /* those that move; of which paths are off by more than they should */
+    int *tried;         /* (count + TD_PAD) first rows of a level's, */
+    td_points_fit fit;  /* and how well they do: (count + TD_PAD) */
+    double *time;       /* of a level's nodes */
+    int *entry, *at;    /* (entries) Gaussians, and rows, of the jobs */
     td_node_job *jobs;
     int entries, job_count;
     size_t open_capacity, each_capacity, knot_capacity, piece_capacity, row_capacity, length_capacity, time_capacity,
@@ -69,11 +76,26 @@ tides_status td_point_nodes_create(const struct tides_renderer *renderer, td_exa
                                    tides_error *error);
 void td_point_nodes_release(td_point_nodes *nodes);
 
-/* Finds all rows; or sets `halve`, if there would be too many rows, or if paths bend more than all levels can follow. */
+/* A Gaussian in a list that has no path yet; and one that is about to get it. */
+enum { TD_PATH_UNMADE = -3, TD_PATH_WANTED = -4 };
+
+/* Finds the Gaussians in lists, the pieces of their paths, and a first group with paths, which stands for all others. Short
+ * lists are that group as a whole. Or it says where to cut: rows would be too many, or paths bend more than all levels can
+ * follow. */
 tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error);
 
-/* Computes the rows of the Gaussians of a level, at all nodes where they need computed ones. */
+/* Makes the next of the wanted Gaussians the group, as many as are made together; each has a path then. */
+tides_status td_point_nodes_next(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                                 td_point_nodes *nodes, tides_error *error);
+
+/* The group, for an engine. */
+td_points_group td_point_nodes_group(const td_point_nodes *nodes);
+
+/* Curves that an interval may come to have. */
+int td_point_nodes_expected(const td_point_nodes *nodes);
+
+/* Rows of the Gaussians of a level, at all its nodes that are theirs to have (point_rows.c). */
 tides_status td_point_rows_project(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                    int level, tides_error *error);
 

@@ -28,27 +28,31 @@ typedef struct td_points_slices {
     int pieces, count, split, group;
 } td_points_slices;
 
-/* An interval. All pointers are borrowed until the next one begins. */
+/* An interval, in which nothing has a path yet. Everything is borrowed until the next one begins. */
 typedef struct td_points_interval {
-    const int
-        /* (gaussians) for each Gaussian of the store: first curve * TD_PATH_LEVELS + level, ascending; below 0: no path */
-        *path;
-    int gaussians;
-    td_exact *exact; /* source of the rows */
-    int row_count;
-    const int *row;        /* (2 x curves) rows at which each curve begins and ends */
-    const double *lengths; /* (curves) [s] */
-    int curves;
+    int gaussians; /* of the store */
+    int curves;    /* that are expected in all */
     td_points_slices slices;
-    const int *seen; /* (seen_count) Gaussians with paths, ascending */
-    int seen_count;
-    const int *candidates; /* (candidate_count) lists of the tiles */
+    const int *candidates; /* (candidate_count) what tiles point into */
     int candidate_count;
     const td_points_tile *tiles; /* (tile_count) all tiles of the image */
     int tile_count;
 } td_points_interval;
 
-/* The backdrop: its luminance, or its red, green and blue if light isn't linear in these; layout of td_point_backdrop. */
+/* Gaussians that get paths. Nothing is borrowed beyond the call, but of `exact`, whose rows stay until it has others. */
+typedef struct td_points_group {
+    td_exact *exact; /* whose rows are wanted */
+    int row_count;
+    const int *row;        /* (2 x curves) the rows that each begins and ends with */
+    const double *lengths; /* (curves) [s] */
+    int first, curves;     /* the interval has `first` without these */
+    const int *seen;       /* (seen_count) the Gaussians, */
+    const int *path;       /* (seen_count) of each its first curve in the interval * TD_PATH_LEVELS + level, */
+    const int *sights;     /* (2 x seen_count) and the pixels that may see it, as kernels/point_lists.h has them */
+    int seen_count;
+} td_points_group;
+
+/* The backdrop: its luminance, or its red, green and blue where light isn't linear in these (td_point_backdrop). */
 typedef struct td_points_backdrop {
     double first, first_dot, green, blue;
 } td_points_backdrop;
@@ -96,7 +100,9 @@ typedef struct td_points_class {
     tides_status (*misfits)(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
                             tides_error *error);
     tides_status (*begin)(td_points_engine *engine, const td_points_interval *interval, tides_error *error);
-    /* Makes the lists of these tiles of the interval: (count). */
+    /* Curves, depths and tests of a group. */
+    tides_status (*add)(td_points_engine *engine, const td_points_group *group, tides_error *error);
+    /* Makes the lists of these tiles of the interval, of what has paths: (count). */
     tides_status (*lists)(td_points_engine *engine, const int *tiles, int count, tides_error *error);
     /* Computes values: (2 x count) L and L_dot, valid after `finish`. The batch isn't read after the call. Lists of its tiles
      * must be made before. */

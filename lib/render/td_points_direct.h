@@ -16,18 +16,20 @@ typedef struct td_points_direct {
     double *time; /* and times */
     int *lists;   /* lists of the tiles */
     int *numbers; /* 0, 1, ... */
+    int *sights;  /* (2 x Gaussians of the lot) the pixels that may see each */
     td_points_tile *tiles;
     td_points_chunk *chunks;
     double *column[TD_POINT_COLUMNS], *values;
     int *piece;
-    size_t gaussian_capacity[5], list_capacity, number_capacity;
+    size_t gaussian_capacity[6], list_capacity, number_capacity;
 } td_points_direct;
 
 void td_points_direct_release(td_points_direct *direct);
 
-/* After an interval's rows are found: marks the pixels that may see a splat without a curve. */
-tides_status td_points_direct_begin(const struct tides_renderer *renderer, const td_point_nodes *nodes,
-                                    td_points_direct *direct, tides_error *error);
+/* Another interval: nothing is bent; and which pixels see what is bent of a group. */
+void td_points_direct_clear(const struct tides_renderer *renderer, td_points_direct *direct);
+tides_status td_points_direct_add(const struct tides_renderer *renderer, const td_point_nodes *nodes, const float *boxes,
+                                  td_points_direct *direct, tides_error *error);
 
 static inline int td_points_direct_sees(const td_points_direct *direct, const td_point *point, int width) {
     return direct->any && direct->bent[(size_t)point->y * (size_t)width + (size_t)point->x];

@@ -125,35 +125,40 @@ typedef struct td_point {
     int32_t x, y; /* [px] */
 } td_point;
 
-/* The image at a point. */
+/* The image's value at a point. */
 typedef struct td_point_value {
     double L, L_dot; /* [1, 1/s] */
 } td_point_value;
 
-/* Computes points: (count) values, independent of the points' order. At a knot of a motion, rates are those after it.
- * TIDES_BAD_ARGUMENT if a value isn't finite. */
+/* Values of points: (count), the same in any order of points. At the time of a motion's knot, rates are those of the motion
+ * that begins there. TIDES_BAD_ARGUMENT where a value isn't finite. */
 tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error);
 
-/* td_renderer_points in two calls: between them a device may compute while the caller does other work. The arguments must
- * stay unchanged until `end`, or until `drop`, which abandons the values. Only one call may be pending; other calls of the
- * renderer wait for it. td_renderer_points_go_on: 1 if `begin` really returns before the values are computed. */
+/* td_renderer_points in two calls, between which a device may work while the caller does something else. The arguments must
+ * stay as they are until `end`, or until `drop` where nobody wants the values any more. One lot at a time: any other request to
+ * the renderer in between waits for it. td_renderer_points_go_on is 1 where `begin` does return before the values are there;
+ * many lots then cost no more than one. */
 tides_status td_renderer_points_begin(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                       size_t count, td_point_value *values, tides_error *error);
 tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error);
 void td_renderer_points_drop(tides_renderer *renderer);
 int td_renderer_points_go_on(const tides_renderer *renderer);
 
-/* Enables points; call it before any point is requested. Points are in double precision on any device, see every splat (no
- * stop rule), and are on the image of the record paths in the interval swept last. TIDES_UNSUPPORTED says why, if this isn't
- * possible. */
+/* To be called before any point is asked for. The renderer then computes points one by one, in double precision whatever its
+ * own is, with every splat (no stop rule). Points see the image that record paths make of the interval swept last
+ * (kernels/points.h). TIDES_UNSUPPORTED, with the reason, where that can't be had. */
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
-/* Why points are impossible with this image, on any device; NULL: they are possible. */
+/* For tests of a renderer with exact points: `group` Gaussians (not more than by default) get paths together, and `some` of all
+ * are looked at before. */
+void td_renderer_points_groups(tides_renderer *renderer, int group, int some);
+
+/* The reason why exact points can't be had, which doesn't depend on the device; NULL: they can. */
 const char *td_renderer_lacks_exact_points(const tides_renderer *renderer);
 
-/* Keeps the instant swept last: td_renderer_kept_points computes points at its time after later sweeps, and after open paths
- * have forgotten it. */
+/* Keeps the instant swept last, for exact points. td_renderer_kept_points then answers at its time, whatever has been swept and
+ * whatever open paths have forgotten since. */
 tides_status td_renderer_keep_instant(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
 tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                      size_t count, td_point_value *values, tides_error *error);

@@ -24,7 +24,7 @@ static td_point_entry entry_of(const td_image *image, double depth, int path) {
 static int by_depth(const void *a, const void *b) {
     const td_point_entry *x = a, *y = b;
     if (x->depth != y->depth) return x->depth < y->depth ? -1 : 1;
-    return (x->path > y->path) - (x->path < y->path);
+    return (x->number > y->number) - (x->number < y->number);
 }
 
 /* Adds `count` entries of these depths, of luminance or of three channels, and holds what comes of it against qsort. */
@@ -42,8 +42,8 @@ static td_point_order check_order_of(const td_image *image, const double *depth,
     for (int i = 0; i < count; i++) {
         const td_point_entry got = td_point_load_entry(image, entries + i * td_point_room(image));
         if (memcmp(&got, &wanted[i], sizeof got) != 0)
-            fail_msg("%d of %d: depth %g, path %g, where depth %g, path %g belongs", i, count, got.depth, got.path,
-                     wanted[i].depth, wanted[i].path);
+            fail_msg("%d of %d: depth %g, path %g, where depth %g, path %g belongs", i, count, got.depth, got.number,
+                     wanted[i].depth, wanted[i].number);
     }
     return order;
 }

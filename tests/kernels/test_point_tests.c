@@ -105,7 +105,7 @@ static void check_splat(uint64_t *state, const td_point_slices *slices, int leve
     static const size_t at_once = 0;
     const td_image image = plain_image();
     const td_point_tile tile = {32, 48, 0, TD_PAD};
-    const td_point_paths paths = {NULL, curves, *slices, NULL};
+    const td_point_paths paths = {curves, *slices, NULL};
     const splat s = any_splat(state);
     const double h = LENGTH / slices->pieces;
     lay_curves(&s, slices->pieces, level, curves);

@@ -80,9 +80,13 @@ static void values_of(const point_world *w, const td_point *points, size_t count
                     &error);
 }
 
+/* Paths are made for a few Gaussians at a time, as points ask for them; else for all at once, there being few. */
+static int by_and_by = 0;
+
 static void be_exact(const point_world *w) {
     tides_error error;
     scene_expect_ok(td_renderer_exact_points(w->renderer, &error), &error);
+    if (by_and_by) td_renderer_points_groups(w->renderer, 24, 20);
 }
 
 /* Largest differences of L and, relative to 1 + |L_dot|, of L_dot. */
@@ -235,15 +239,19 @@ static void check_devices(const random_recipe *recipe, double length, double sof
     close_world(&c);
 }
 
-static void test_bits_of_any_device_and_order(void **state) {
-    (void)state;
-    for (uint64_t seed = 1420; seed < 1424; seed++) {
+static void check_order(uint64_t begin, uint64_t end) {
+    for (uint64_t seed = begin; seed < end; seed++) {
         random_recipe recipe = recipe_of(seed);
         recipe.count = 500;
         recipe.spread = seed % 2 ? 4 : 1.5; /* 4: some are near the camera and behind it */
         check_devices(&recipe, 0.005, 1e-4);
         check_devices(&recipe, 0.005, seed % 2 ? 0 : 0.05);
     }
+}
+
+static void test_bits_of_any_device_and_order(void **state) {
+    (void)state;
+    check_order(1420, 1424);
 }
 
 /* Points that a device is at while the renderer is asked for something else; or nobody wants them, or not even the renderer. */
@@ -319,6 +327,105 @@ static void test_paths_with_corners(void **state) {
     check_against_frames(&recipe, 0.45, 1e-4, 1e-4, 0.1);
 }
 
+/* All of it where what points may see gets its paths by and by: of an interval, of an instant, with corners of paths, bent
+ * ones, ties of depth. A value is then what it is where all have them from the beginning. */
+static void test_paths_by_and_by(void **state) {
+    static td_point points[POINTS];
+    static td_point_value at_once[POINTS], later[POINTS];
+    (void)state;
+    for (uint64_t seed = 1420; seed < 1423; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        const double length = seed == 1421 ? 0 : 0.005;
+        recipe.count = 500;
+        recipe.spread = seed % 2 ? 4 : 1.5;
+        for (by_and_by = 0; by_and_by < 2; by_and_by++) {
+            point_world w = open_world(&recipe, seed == 1422 ? "reference" : "cpu", length, 1e-4);
+            scatter(&w, points);
+            be_exact(&w);
+            for (int from = 0; from < POINTS && by_and_by; from += 100) values_of(&w, points + from, 100, later + from);
+            if (!by_and_by) values_of(&w, points, POINTS, at_once);
+            close_world(&w);
+        }
+        assert_memory_equal(at_once, later, sizeof later);
+    }
+    by_and_by = 1;
+    check_order(1420, 1422);
+    test_paths_with_corners(NULL);
+    test_depth_ties_and_empty_tiles(NULL);
+    test_all_change_places(NULL);
+    by_and_by = 0;
+}
+
+/* A tile's list is made for one pixel. Points elsewhere get all Gaussians their paths, and then another of its pixels asks.
+ * Nobody is without a path any more then, but the list is. */
+static void test_lists_made_early(void **state) {
+    static td_point points[POINTS];
+    static td_point_value at_once[POINTS], later[POINTS];
+    (void)state;
+    for (uint64_t seed = 1420; seed < 1424; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        recipe.count = 200;
+        recipe.size = 0.4; /* none is within one tile */
+        int differ = 0, count = 1;
+        point_world w = open_world(&recipe, seed % 2 ? "reference" : "cpu", seed < 1422 ? 0.005 : 0, 1e-4);
+        const int width = recipe.width, height = recipe.height, x = width / 2 / TD_TILE * TD_TILE,
+                  y = height / 2 / TD_TILE * TD_TILE;
+        points[0] = (td_point){START, x, y};
+        for (int i = 0; i < width * height; i++)
+            if ((i % width / TD_TILE != x / TD_TILE || i / width / TD_TILE != y / TD_TILE) && i % 2 == 0)
+                points[count++] = (td_point){START, i % width, i / width};
+        const int others = count;
+        for (int i = 1; i < TD_TILE; i++) points[count++] = (td_point){START, x + i, y + i};
+        assert_true(count <= POINTS);
+        be_exact(&w);
+        values_of(&w, points, (size_t)count, at_once);
+        close_world(&w);
+        w = open_world(&recipe, seed % 2 ? "reference" : "cpu", seed < 1422 ? 0.005 : 0, 1e-4);
+        be_exact(&w);
+        td_renderer_points_groups(w.renderer, 24, 20);
+        values_of(&w, points, 1, later);
+        values_of(&w, points + 1, (size_t)(others - 1), later + 1);
+        values_of(&w, points + others, (size_t)(count - others), later + others);
+        close_world(&w);
+        for (int i = 0; i < count; i++) differ += memcmp(&at_once[i], &later[i], sizeof later[i]) != 0;
+        if (differ) fail_msg("seed %u: %d of %d points depend on who has asked", (unsigned)seed, differ, count);
+    }
+}
+
+/* Boxes of half their size: all curves stray out of them, as a bent one's may. */
+static void shrink_boxes(const point_world *w) {
+    for (int i = 0; i < w->renderer->store.count; i++) {
+        float *box = w->renderer->sweep.boxes + 4 * (size_t)i;
+        for (int k = 0; k < 2; k++) {
+            const float quarter = 0.25f * (box[k + 2] - box[k]);
+            box[k] += quarter;
+            box[k + 2] -= quarter;
+        }
+    }
+}
+
+/* A point sees nothing of a splat that its own pixel doesn't ask for, whether another has asked for it or not. */
+static void test_curves_that_stray(void **state) {
+    static td_point points[POINTS];
+    static td_point_value at_once[POINTS], later[POINTS];
+    (void)state;
+    for (uint64_t seed = 1420; seed < 1422; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        recipe.count = 300;
+        for (int some = 0; some < 2; some++) {
+            point_world w = open_world(&recipe, seed % 2 ? "reference" : "cpu", 0.005, 1e-4);
+            scatter(&w, points);
+            shrink_boxes(&w);
+            be_exact(&w);
+            if (some) td_renderer_points_groups(w.renderer, 24, 20);
+            for (int from = 0; from < POINTS && some; from += 40) values_of(&w, points + from, 40, later + from);
+            if (!some) values_of(&w, points, POINTS, at_once);
+            close_world(&w);
+        }
+        assert_memory_equal(at_once, later, sizeof later);
+    }
+}
+
 /* All of it where light isn't linear in colours, so that three channels are composited. */
 static void test_three_channels(void **state) {
     static const int32_t transfers[] = {TIDES_TRANSFER_SRGB, TIDES_TRANSFER_GAMMA};
@@ -344,6 +451,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_bits_of_any_device_and_order),
                                        cmocka_unit_test(test_in_two_calls),
                                        cmocka_unit_test(test_three_channels),
+                                       cmocka_unit_test(test_paths_by_and_by),
+                                       cmocka_unit_test(test_lists_made_early),
+                                       cmocka_unit_test(test_curves_that_stray),
                                        cmocka_unit_test(test_behind_what_is_opaque),
                                        cmocka_unit_test(test_paths_with_corners),
                                        cmocka_unit_test(test_all_change_places),
