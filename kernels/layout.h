@@ -91,8 +91,8 @@ enum {
 /* The pixels that may see a splat, columns or rows: the first + TD_SIGHT_END * the one behind the last. */
 enum { TD_SIGHT_END = 1 << 16 };
 
-#define TD_PATH_NEVER 1e30f /* the misfit of what no cubic can follow: it isn't always there, or far from anything; */
-#define TD_PATH_BENT 16.0f  /* and above which a path isn't smooth enough for its halves' cubics, a sixteenth as far off */
+#define TD_PATH_NEVER 1e30f /* the misfit of a splat that no cubic can follow, or that isn't always visible */
+#define TD_PATH_BENT 16.0f  /* above this misfit a path isn't smooth enough for twice as many nodes to help */
 /* clang-format on */
 
 /* Gaussians of one object at one node: gaussians[first .. first + count) are projected to rows[first ..]. `count` is a multiple

@@ -96,7 +96,7 @@ TD_INLINE void td_network_cross(const td_dual a[3], const td_dual b[3], td_dual 
 }
 
 /* The rigid motion of `mean` by the exponential of a screw: axis w by the angle |axis|, shift v. The trainer's code adds 1e-5
- * to lengths, so that w is slightly shorter than 1, and results must equal the trainer's. The 1e-24 avoid division by 0. */
+ * to each component of w and v, and results must equal the trainer's. The 1e-24 avoid division by 0. */
 TD_INLINE void td_network_screw(const td_dual axis[4], const td_dual shift[4], td_dual mean[3]) {
     td_dual sum = td_dual_make(td_splat(0.0f), td_splat(0.0f)), w[3], v[3], sine, cosine;
     for (int i = 0; i < 3; i++) sum = td_dual_fma(axis[i], axis[i], sum);

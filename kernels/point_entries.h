@@ -32,7 +32,7 @@ typedef struct td_point_entry {
     td_lanes green, green_dot, blue, blue_dot;
 } td_point_entry;
 
-/* Reals per lane of an entry. */
+/* Reals of an entry: a vector for each number. */
 TD_INLINE int td_point_room(const td_image *image) {
     return (td_is_coded(image) ? TD_POINT_CODED_NUMBERS : TD_POINT_NUMBERS) * TD_LANES;
 }

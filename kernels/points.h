@@ -60,7 +60,7 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
 }
 
 /* Values of a chunk's points: values[2 * point] = L, [2 * point + 1] = L_dot. `taken` is the length of the tile's list;
- * `entries` has room for so many, td_point_room vectors each. */
+ * `entries` has room for so many, td_point_room reals each. */
 TD_INLINE void td_point_chunk_values(const td_point_chunk *chunk, const td_point_tile *tile, int taken,
                                      const td_point_paths *paths, const td_point_lists *lists, const td_point_arrays *points,
                                      const td_image *image, TD_GLOBAL td_real *entries, const td_point_backdrop *behind,
@@ -73,8 +73,7 @@ TD_INLINE void td_point_chunk_values(const td_point_chunk *chunk, const td_point
     td_spread(planes[0], L);
     td_spread(planes[1], L_dot);
     for (int lane = 0; lane < chunk->count; lane++) {
-        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): clang doesn't know that a chunk has a lane for each
-         * point */
+        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): a chunk has a lane for each point */
         values[2 * (chunk->first + lane)] = L[lane];
         values[2 * (chunk->first + lane) + 1] = L_dot[lane];
     }

@@ -136,8 +136,8 @@ tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides
 
 /* -- the ROS 2 feed (bench_feed.c) ------------------------------------------------------------------------------------ */
 
-/* `rows`, the caller's: for each rate of events an object of rate, packets, lost, events, seconds, and `ms`, the sorted
- * latencies of at most `packets` packets of 1 ms. NULL where the Python package can't be asked, which is said. */
+/* Measures the latency of events over ROS 2, in packets of 1 ms. The caller frees `rows`: for each rate of events an object of
+ * rate, packets, lost, events, seconds, and `ms`, the sorted latencies. NULL, with a message, without the Python package. */
 tides_status bench_feed(const bench *b, int32_t packets, cJSON **rows, tides_error *error);
 
 /* -- processes (bench_child.c) ---------------------------------------------------------------------------------------- */
@@ -167,7 +167,7 @@ tides_status bench_write(const bench *b, const char *name, cJSON *header, const 
 /* bench_write for rows of any kind: each row has the same columns, a cell each. */
 enum { BENCH_CELLS_MAX = 40 };
 typedef struct bench_cell {
-    const char *name, *text; /* text, printed without quotes; NULL: a number: */
+    const char *name, *text; /* text that contains no quotes; NULL: a number: */
     double number;           /* NaN: none */
 } bench_cell;
 typedef struct bench_table {

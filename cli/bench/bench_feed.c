@@ -1,13 +1,13 @@
-/* The ROS 2 feed's part of `tides bench live`. The feed is the Python package's own (python_ctypes/tides/ros2_bench.py), which
- * sends packets of events to another process and times them. TIDES_PYTHON names the interpreter, and the package's own `tides`
- * sets it: any other interpreter may have no TIDES, or another one. */
+/* The part of `tides bench live` about ROS 2: tides.ros2_bench of the Python package sends packets of events to another process
+ * and times them. TIDES_PYTHON names the interpreter. The `tides` that the package installs sets it: any other interpreter may
+ * have no TIDES, or another version. */
 #include "bench.h"
 
 #include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Whether it ended well. What it says on stderr is for the user. */
+/* Whether Python ended without an error. Its messages go to stderr, to the user. */
 static int32_t run_python(const char *python, const char *file, int32_t packets) {
     char count[16];
     int ended = 0;

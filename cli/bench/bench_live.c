@@ -1,7 +1,7 @@
 /* tides bench live: the time that a live run takes for each pose, from getting the pose to having its events, at 346x260 and a
  * pose every millisecond. The first step also makes the first image, and is listed separately. Poses are those of the scene's
- * own camera, without rates, to and fro where its path is shorter than the run. Rows of way "ros2" are the ROS 2 feed's: from
- * a packet of a millisecond's events to its events read by another process, at a few rates. */
+ * own camera, without rates, to and fro where its path is shorter than the run. Rows of way "ros2" are
+ * latencies over ROS 2: from a packet of 1 ms of events until another process has read them, at a few rates of events. */
 #include "bench.h"
 #include "bench_worlds.h"
 #include "plot.h"
@@ -27,8 +27,8 @@ typedef struct live_row {
     const char *way;
     int32_t steps;
     double ms[STEPS];               /* sorted */
-    double first_ms, seconds, lost; /* lost: packets */
-    int32_t taken;                  /* steps that all events are of */
+    double first_ms, seconds, lost; /* lost: packets that didn't arrive */
+    int32_t taken;                  /* steps in which the events of `stats` fired; the first one, too */
     tides_stats stats;
 } live_row;
 
@@ -172,7 +172,7 @@ static tides_status measure_scene(bench *b, const char *name, live_rows *all, ti
     return status;
 }
 
-/* -- the feed ------------------------------------------------------------------------------------------------------------- */
+/* -- ROS 2 ---------------------------------------------------------------------------------------------------------------- */
 
 static double number(const cJSON *row, const char *key) {
     return cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(row, key));
@@ -188,7 +188,7 @@ static tides_status measure_feed(bench *b, live_rows *all, tides_error *error) {
         cJSON_ArrayForEach(ms, cJSON_GetObjectItemCaseSensitive(of, "ms")) {
             if (row->steps < STEPS) row->ms[row->steps++] = ms->valuedouble;
         }
-        if (row->steps == 0) continue; /* no packet came: lost is all, and there is no latency */
+        if (row->steps == 0) continue; /* no packet arrived, so that there is no latency */
         snprintf(row->scene, sizeof row->scene, "%g kev/s", 1e-3 * number(of, "rate"));
         row->way = "ros2";
         row->first_ms = number(of, "first_ms");

@@ -27,7 +27,7 @@ static const struct method {
      {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg"}, "frames_per_second",
      {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg", "esim.log_eps", NULL}, 1},
     {"v2e", "v2e", NULL, {"v2e.pos_thres", "v2e.neg_thres"}, "frames_per_second",
-     {"v2e.pos_thres", "v2e.neg_thres", "v2e.cutoff_hz", "v2e.sigma_thres", NULL}, 0},
+     {"v2e.pos_thres", "v2e.neg_thres", "v2e.cutoff_hz", "v2e.added_dn", NULL}, 0},
     {"dvs-voltmeter", "dvs-voltmeter", NULL, {"voltmeter.k1", "voltmeter.k2"}, "frames_per_second",
      {"voltmeter.k1", "voltmeter.k2", "voltmeter.k4", "voltmeter.k6", NULL}, 0},
     {"iebcs", "iebcs", NULL, {"iebcs.th_pos", "iebcs.th_neg", "iebcs.scale"}, "frames_per_second",

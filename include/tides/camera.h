@@ -11,25 +11,25 @@ extern "C" {
 /* Models of tides_lens. */
 enum { TIDES_LENS_NONE = 0, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT };
 
-/* The name of a model, as camera.lens has it ("radtan"); NULL: it is none of them. */
+/* The name of a model, as in camera.lens ("radtan"); NULL for other numbers. */
 TIDES_API const char *tides_lens_name(int32_t model);
 
-/* How lines bend: slopes (a, b) = (x/z, y/z), r^2 = a^2 + b^2, become (a', b'). All zeros is a pinhole.
+/* The distortion of slopes (a, b) = (x/z, y/z), r^2 = a^2 + b^2, to (a', b'). All zeros is a pinhole.
  *   RADTAN (OpenCV's, COLMAP's OPENCV, ROS's plumb_bob), with k4 0:
  *     a' = a (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 a b + p2 (r^2 + 2 a^2),
  *     b' = b (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 b^2) + 2 p2 a b
  *   EQUIDISTANT (OpenCV's fisheye, Kannala-Brandt), with p1 and p2 0 and theta = atan(r):
  *     (a', b') = (a, b) theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8) / r
- * A lens that folds over within the image is refused. Seen is what is in front of the near plane, as without a lens: where an
+ * A lens whose image folds over is refused. Only what is in front of the near plane is seen, as without a lens. Where an
  * equidistant image reaches to 90 degrees and beyond, the background shows. */
 typedef struct tides_lens {
     int32_t model; /* TIDES_LENS_* */
     int32_t reserved;
-    double k1, k2, k3, k4, p1, p2; /* [1] those that the model hasn't are 0 */
+    double k1, k2, k3, k4, p1, p2; /* [1] 0 where the model has no such term */
 } tides_lens;
 
-/* u = fx a' + cx, v = fy b' + cy; pixel (0,0) is the top left one and its centre lies at (0.5, 0.5): 0.5 more than where
- * pixel centres are whole numbers (OpenCV, ROS, Kalibr, DSEC). */
+/* u = fx a' + cx, v = fy b' + cy. Pixel (0,0) is the top left one and its centre is at (0.5, 0.5). OpenCV, ROS, Kalibr and
+ * DSEC put pixel centres at whole numbers: add 0.5 to their cx and cy. */
 typedef struct tides_intrinsics {
     int32_t width, height; /* [px] */
     double fx, fy, cx, cy; /* [px] */
@@ -39,13 +39,13 @@ typedef struct tides_intrinsics {
 /* How to read a path file; fill with tides_path_options_defaults. */
 typedef struct tides_path_options {
     uint32_t size;     /* sizeof this struct, set by the defaults function */
-    int32_t time_unit; /* TIDES_TIME_* of a file's times; AUTO: as its header says, else the format's where that is plausible */
+    int32_t time_unit; /* TIDES_TIME_* of a file's times; AUTO: as its header says, else the format's usual unit if plausible */
     double duration;   /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
                                [0, duration], in the order of pictures' names, with digits as numbers, where the file has
                                them, else of the file; files with trainer's times in [0, 1]
                                (D-NeRF, nerfies): times are multiplied by it */
-    double start;      /* [s] subtracted from every time of the file, after scaling */
-    int32_t rebase;    /* 1: `start` is ignored and the first sample is put at 0 */
+    double start;      /* [s] subtracted from every time, after scaling */
+    int32_t rebase;    /* 1: the first sample is at 0, and `start` is ignored */
     int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
                                applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
     const char *views;     /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL:
@@ -62,7 +62,7 @@ TIDES_API void tides_path_options_defaults(tides_path_options *options); /* dura
 /* Bytes of tides_path.notes. */
 enum { TIDES_PATH_NOTES = 1024 };
 
-/* Bits of tides_path.varied. */
+/* Bits of tides_path.varied: intrinsics that differ from frame to frame. */
 enum {
     TIDES_VARIED_WIDTH = 1,
     TIDES_VARIED_HEIGHT = 2,
@@ -72,27 +72,27 @@ enum {
     TIDES_VARIED_CY = 32
 };
 
-/* Content of a path file. */
+/* The content of a path file. */
 typedef struct tides_path {
     tides_trajectory *trajectory; /* owned by the caller after success */
-    tides_intrinsics intrinsics;  /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
-    double field_of_view_x;       /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
+    tides_intrinsics intrinsics;  /* fields that the file lacks, or that differ from frame to frame, are 0 */
+    double field_of_view_x;       /* [rad] if the file gives one (Blender and D-NeRF give it without a width), else 0 */
     char format[32];   /* "tides", "transforms", "camera_path", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff",
                           "nerfies" */
     int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
                           the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
-    int32_t untimed;   /* 1: the file has several poses and no times; they are spread over options.duration */
+    int32_t untimed;   /* 1: the file has several poses without times; they are spread over options.duration */
     int32_t varied;    /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
     int32_t framed;    /* 1: dataparser_transforms.json was applied */
     int32_t reserved;
-    int32_t has_imu;              /* 1: the file's folder says where an IMU is (EuRoC's) */
-    double T_C_I[16];             /* where it does: p_camera = T_C_I p_imu, by rows */
-    char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
-                                     a unit that was found; "" where there is nothing */
+    int32_t has_imu;  /* 1: the folder of the file says where an IMU is (EuRoC) */
+    double T_C_I[16]; /* if has_imu: p_camera = T_C_I p_imu, row-major */
+    /* surprising facts about the path, a line each, such as poses that leap, or a unit that was guessed; else "" */
+    char notes[TIDES_PATH_NOTES];
 } tides_path;
 
-/* Reads a camera path; the format is found from the content, not from the name (but for COLMAP's binary files):
- *   tides       our JSON (written by tides_path_save; documented in path_tides.c)
+/* Reads a camera path. The format is found from the content (COLMAP's binary files: from the name):
+ *   tides       JSON of TIDES, as tides_path_save writes it
  *   transforms  nerfstudio / instant-ngp / Blender / D-NeRF transforms.json (OpenGL axes, converted)
  *   camera_path nerfstudio's camera_path.json, as its viewer and Blender add-on write it: perspective and fisheye
  *   cameras     INRIA cameras.json
@@ -103,19 +103,19 @@ typedef struct tides_path {
  *   esim        csv `t_ns, x, y, z, qx, qy, qz, qw`
  *   euroc       state_groundtruth csv, `t_ns, x, y, z, qw, qx, qy, qz ...` of the body, with the camera's T_BS from sensor.yaml
  *   kitti       12 numbers per line
- * A folder is searched for one of these (path_folder.c: what for, and in which order). Also serves for objects' trajectories
- * (axes are then those of the file's body frame; others than OpenCV's are converted). Errors name file, line or key. */
+ * In a folder, one of these is searched for. Paths of objects are read too: axes are those of the file's body frame,
+ * converted to OpenCV's. Errors name file, line or key. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path,
                                                         tides_error *error);
 
-/* Writes our JSON: intrinsics (nullable) and the samples, rates included where the path has them. */
+/* Writes the JSON of TIDES: intrinsics (nullable) and samples, with rates if the path has them. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_path_save(const char *file, const tides_trajectory *trajectory,
                                                         const tides_intrinsics *intrinsics, tides_error *error);
 
-/* Where each raw pixel is in the image of a pinhole: map (raw height x width x 2), (u, v) of the ray through its centre, which
- * `rotation` (3x3 by rows, raw camera to rectified; NULL: none) turns. Places are as OpenCV and DSEC's rectify_map have them,
- * with pixel centres at whole numbers: a pinhole's own map is (column, row). Not a number where nothing in front of the cameras
- * is seen. */
+/* For each raw pixel, its place in the image of a pinhole camera. `map` (raw height x width x 2) receives (u, v) of the ray
+ * through the pixel's centre, turned by `rotation` (3x3 row-major, raw camera to rectified; NULL: none). As in OpenCV and
+ * DSEC's rectify_map, pixel centres are at whole numbers: a pinhole's own map is (column, row). NaN where the ray isn't in
+ * front of both cameras. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_rectify_map(const tides_intrinsics *raw, const tides_intrinsics *rectified,
                                                           const double rotation[9], float *map, tides_error *error);
 

@@ -1,5 +1,6 @@
-/* The filters that a camera runs on its events, behind the readout (DESIGN 3.4). Each lets an event pass or drops it, at once
- * and by what came before it; none changes a time. So a stream may be cut anywhere, and memory is that of the sensor.
+/* The filters that a camera applies to its events, after the readout. A filter passes or drops each event, and doesn't change
+ * its time. It decides at once, from earlier events only, so a stream may be cut anywhere, and memory depends only on the
+ * sensor's size.
  *
  * In this order, each seeing what the one before it let pass. The order of AFK, trail and ERC is that of Prophesee's manual
  * (docs.prophesee.ai, hw/manuals/esp); where its activity filter stands isn't published, and no camera has background and the
@@ -34,12 +35,12 @@
 extern "C" {
 #endif
 
-/* The modes of anti-flicker, trail and event rate control, as described above. */
+/* The modes of anti-flicker, trail and event rate control. */
 enum { TIDES_AFK_OFF = 0, TIDES_AFK_BAND_STOP = 1, TIDES_AFK_BAND_PASS = 2 };
 enum { TIDES_TRAIL_OFF = 0, TIDES_TRAIL_TRAIL = 1, TIDES_TRAIL_STC_CUT = 2, TIDES_TRAIL_STC_KEEP = 3 };
 enum { TIDES_ERC_CHANCE = 0, TIDES_ERC_FIRST = 1 };
 
-/* The filters, in their order. */
+/* The filters, in the order in which they are applied. */
 enum {
     TIDES_STAGE_BACKGROUND = 0,
     TIDES_STAGE_ACTIVITY = 1,
@@ -55,7 +56,7 @@ typedef struct tides_filters {
     uint32_t size;
     int32_t background_support;                     /* 1 to 8 */
     double background_s;                            /* [s] >= 0; 0: off */
-    double activity_low_start, activity_low_stop;   /* [events/s]; start 0: no such bound; stop 0: as start, */
+    double activity_low_start, activity_low_stop;   /* [events/s] bound below; start 0: none; stop 0: equal to start, */
     double activity_high_start, activity_high_stop; /* else low_stop >= low_start and high_stop <= high_start */
     double activity_period_s;                       /* [s] whole nanoseconds, at least 1 */
     double afk_low_hz, afk_high_hz;                 /* [Hz] 0 < low <= high */
@@ -65,13 +66,13 @@ typedef struct tides_filters {
     double trail_s;                                 /* [s] >= 0 */
     int32_t trail;                                  /* TIDES_TRAIL_* */
     int32_t erc_events;                             /* >= 0; 0: off */
-    double erc_period_s;                            /* [s] as activity_period_s */
+    double erc_period_s;                            /* [s] whole nanoseconds, at least 1 */
     int32_t erc_law;                                /* TIDES_ERC_* */
     int32_t reserved;
 } tides_filters;
 TIDES_API void tides_filters_defaults(tides_filters *filters);
 
-/* 1 where a filter is on. */
+/* 1 if any filter is on. */
 TIDES_API int32_t tides_filters_any(const tides_filters *filters);
 
 /* Counts of the events: in = out + the sum of dropped. */
@@ -80,7 +81,7 @@ typedef struct tides_filter_stats {
     uint64_t dropped[TIDES_STAGES]; /* by TIDES_STAGE_* */
 } tides_filter_stats;
 
-/* Filters with what they remember. Opaque; of one thread at a time. */
+/* Filters with their memory of earlier events. Opaque; for one thread at a time. */
 typedef struct tides_filter tides_filter;
 
 /* For sensors of width x height pixels, at most 65536 each. ERC's CHANCE draws from the seed and the event alone.
@@ -91,9 +92,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_filter_create(const tides_filters 
 /* NULL is fine. */
 TIDES_API void tides_filter_destroy(tides_filter *filter);
 
-/* Takes `count` events, sorted by time and not before any taken earlier (else TIDES_BAD_ARGUMENT and none is taken). The events
- * that pass stay, in their order, at the front of `events`, `kept` of them, and so do their times in `fired` (count; nullable).
- * The result doesn't depend on how a stream is cut into calls. */
+/* Takes `count` events, sorted by time and not before earlier ones (else TIDES_BAD_ARGUMENT, and none is taken). The `kept`
+ * events that pass are moved to the front of `events`, in order, and so are their times in `fired` (count; nullable). The
+ * result doesn't depend on how a stream is cut into calls. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_filter_apply(tides_filter *filter, tides_event *events, int64_t *fired,
                                                            size_t count, size_t *kept, tides_error *error);
 

@@ -1,4 +1,4 @@
-/* Frame sequences as input: pictures in a folder, arrays in a file, or memory. */
+/* Frame sequences as input: pictures in a folder, arrays in a file, videos, or memory. */
 #ifndef TIDES_FRAMES_H
 #define TIDES_FRAMES_H
 
@@ -23,12 +23,12 @@ typedef struct tides_frames_options {
                                  microseconds in image_timestamps.txt (DSEC), else the unit in which frames come 1 to 1000
                                  times a second, or count from 1970 */
     int32_t rebase;           /* 1: the first frame's time becomes 0 */
-    const char *timestamps;   /* text file with one time per line, beside names or an index, with a header or not; or NULL */
+    const char *timestamps;   /* text file with a time per line, after names or an index, with or without header; or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3];      /* weights of r, g, b */
-    int32_t planes;           /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
+    int32_t planes;           /* 1: luminance; more: arrays with this many values per pixel, used unchanged (voxel grids) */
     double offset_s;          /* [s] added to all times, after `rebase` */
-    double full_scale;        /* the stored value that is light 1; 0: as above */
+    double full_scale;        /* the stored value that means light 1; 0: the type's largest value, or found from the values */
 } tides_frames_options;
 TIDES_API void tides_frames_options_defaults(tides_frames_options *options);
 
@@ -50,7 +50,7 @@ typedef struct tides_frames tides_frames;
 TIDES_MUST_CHECK TIDES_API tides_status tides_frames_open(const char *path, const tides_frames_options *options,
                                                           tides_frames **frames, tides_error *error);
 
-/* A line on how values were taken, where that was decided by their look; "" else. Lives as long as the frames. */
+/* A line that says how values were interpreted, if this was guessed from them; else "". Lives as long as the frames. */
 TIDES_API const char *tides_frames_note(const tides_frames *frames);
 
 /* Frames in memory: luminance (count x height x width), 1 at full scale, and times [s] (count), which must outlive the
@@ -60,14 +60,14 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_frames_from_memory(const double *Y
                                                                  tides_error *error);
 TIDES_API void tides_frames_close(tides_frames *frames); /* NULL is fine */
 
-/* How many frames, and their size [px]. */
+/* The number of frames, and their size [px]. */
 TIDES_API size_t tides_frames_count(const tides_frames *frames);
 TIDES_API void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *height);
-TIDES_API int32_t tides_frames_planes(const tides_frames *frames);            /* values per pixel, as options say */
+TIDES_API int32_t tides_frames_planes(const tides_frames *frames);            /* values per pixel */
 TIDES_API double tides_frames_time(const tides_frames *frames, size_t index); /* [s]; NaN out of range */
 
-/* Luminance of frame `index` into Y ((planes x) height x width, row 0 on top), caller's memory. Negative or infinite values and
- * NaN are TIDES_BAD_FILE naming the pixel. */
+/* Reads the luminance of frame `index` into Y ((planes x) height x width, row 0 on top), caller's memory. TIDES_BAD_FILE
+ * naming the pixel: negative, infinite or NaN. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, tides_error *error);
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
-/* Worlds made by the library: real scenes with a matching camera, for tests, demos and first steps.
+/* Worlds made by the library: scenes with a matching camera, for tests, demos and first steps.
  *
- * Each is a function of its options alone: the same options give the same numbers on one machine, and the same but for the
- * last digits of sines elsewhere. Units are metres; y is up, and cameras look along -z. */
+ * The same options give the same numbers on one machine; on others, the last digits of sines may differ. Units are metres; y
+ * is up, and cameras look along -z. */
 #ifndef TIDES_GENERATE_H
 #define TIDES_GENERATE_H
 
@@ -16,11 +16,11 @@ extern "C" {
 typedef struct tides_generator {
     const char *name;     /* "fan" */
     const char *sentence; /* what is to be seen */
-    const char *counted;  /* what options.count counts: "balls"; NULL: this kind has no number to choose */
-    int32_t count;        /* how many by default; 0 where `counted` is NULL */
-    int32_t count_most;   /* of options.count */
-    int64_t gaussians;    /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
-    double duration_s;    /* of its motions and path by default [s] */
+    const char *counted;  /* what options.count counts: "balls"; NULL: nothing */
+    int32_t count;        /* default count; 0 if `counted` is NULL */
+    int32_t count_most;   /* largest options.count */
+    int64_t gaussians;    /* default number for each moving object (the plane, the fan's blades); 0: can't be chosen */
+    double duration_s;    /* default duration of motions and path [s] */
 } tides_generator;
 
 /* All kinds; static storage, `count` (nullable) receives how many. */
@@ -29,10 +29,10 @@ TIDES_API const tides_generator *tides_generators(size_t *count);
 /* Options of a generated world; fill with tides_generate_options_defaults. */
 typedef struct tides_generate_options {
     uint32_t size;         /* sizeof this struct, set by the defaults function */
-    int32_t count;         /* of what the kind counts; 0: its default */
-    int64_t gaussians;     /* about how many each moving object has, the grids that cover it being rounded; 0: its default */
-    double duration_s;     /* how long motions and the camera's path last, from second 0 [s], up to 600; 0: its default */
-    double speed;          /* objects (of the plane: the camera) move so many times as fast, in (0, 1000] */
+    int32_t count;         /* number of what the kind counts; 0: its default */
+    int64_t gaussians;     /* about the number for each moving object (its grids are rounded); 0: the kind's default */
+    double duration_s;     /* duration of motions and camera path, from second 0 [s], up to 600; 0: the kind's default */
+    double speed;          /* objects (of the plane: the camera) are this many times as fast, in (0, 1000] */
     uint64_t seed;         /* of colours, places, phases and the camera's shake */
     int32_t width, height; /* of the image [px]; the field of view is always 60 degrees across */
 } tides_generate_options;
@@ -41,18 +41,18 @@ TIDES_API void tides_generate_options_defaults(tides_generate_options *options);
 /* A generated world. The caller releases it. */
 typedef struct tides_world {
     tides_scene *scene;          /* with its objects' motions */
-    tides_trajectory *camera;    /* the path that sees it */
+    tides_trajectory *camera;    /* the path of a camera that sees the scene */
     tides_intrinsics intrinsics; /* of that camera */
     double background[3];        /* for scene.background: linear r g b */
     double duration_s;           /* of motions and path [s] */
 } tides_world;
 
-/* Makes a world of `kind`. Unknown kinds (the nearest is named), options out of range or that the kind doesn't have, more than
- * 20 million Gaussians: TIDES_BAD_ARGUMENT. */
+/* Makes a world of `kind`. TIDES_BAD_ARGUMENT: an unknown kind (the nearest is named), options out of range or that the kind
+ * doesn't have, more than 20 million Gaussians. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_generate(const char *kind, const tides_generate_options *options,
                                                        tides_world *world, tides_error *error);
 
-/* Destroys scene and path, and zeroes the struct: may be called twice. */
+/* Destroys scene and path, and zeroes the struct, so that it may be called twice. */
 TIDES_API void tides_world_release(tides_world *world);
 
 #ifdef __cplusplus

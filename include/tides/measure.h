@@ -1,5 +1,5 @@
-/* Measuring methods: the exact stream of a scene, and the settings that make a method's pixels ideal. Streams are compared with
- * tides_match_events (tides/metrics.h). */
+/* Measuring methods: the exact stream of a scene, and settings that make a method's pixels ideal. tides_match_events compares
+ * streams. */
 #ifndef TIDES_MEASURE_H
 #define TIDES_MEASURE_H
 
@@ -10,36 +10,38 @@
 extern "C" {
 #endif
 
-/* Events further apart than this aren't taken for each other [s]. */
+/* Events that are further apart than this aren't matched [s]. */
 #define TIDES_MATCH_LIMIT_S 1e-3
 
-/* How far an exact stream is refined; fill with tides_exact_options_defaults. 0: what the run asks for, as each field says. */
+/* How far an exact stream is refined; fill with tides_exact_options_defaults. */
 typedef struct tides_exact_options {
     uint32_t size;
-    int32_t in_double;     /* 1: on the double-precision reference, whatever the device: slow */
-    double first_step_s;   /* images without jumps: longest step of the first level [s]; 0: an eighth of 10 ms or of the run */
-    double last_tolerance; /* likewise: no level is asked for less [thresholds]; 0: what the precision lets it see */
-    double first_rate, least_rate, last_rate; /* images that jump: equal steps per second, the first level's, and what the last
-                                                 one has at least and at most [Hz]; 0: by long_renders, twice that, 512 kHz */
-    double long_renders;                      /* no level comes after one of so many full renders (but up to least_rate); 500 */
+    int32_t in_double;     /* 1: in double precision, whatever the device: slow */
+    double first_step_s;   /* continuous images: longest step of the first level [s]; 0: an eighth of 10 ms or of the run */
+    double last_tolerance; /* continuous images: least tolerance of a level [thresholds]; 0: as low as the precision allows */
+    /* images with jumps: steps per second of the first level; the least and the most of the last level [Hz]; 0: from
+     * long_renders, twice that, 512 kHz */
+    double first_rate, least_rate, last_rate;
+    double long_renders; /* the last level is the first with so many full renders (but at least least_rate); 500 */
 } tides_exact_options;
 TIDES_API void tides_exact_options_defaults(tides_exact_options *options);
 
-/* An exact stream, and what it is worth. */
+/* An exact stream, and how exact it is. */
 typedef struct tides_exact {
     tides_event *events;   /* (count), in order; the caller frees them with tides_free */
-    size_t count;          /* of events */
-    double steps_per_s;    /* of the last level; 0: straight lines between frames, which are in closed form */
-    double tolerance;      /* finer by tile where this asks for it [thresholds]; 0: equal steps */
-    tides_match moved;     /* how the last level differs from the one before, whose steps were twice as long */
-    double worst_residual; /* tides_stats's */
+    size_t count;          /* number of events */
+    double steps_per_s;    /* steps per second of the last level; 0: straight lines between frames, solved in closed form */
+    double tolerance;      /* of the last level [thresholds]; 0: equal steps */
+    tides_match moved;     /* how the last level differs from the one before, with steps twice as long */
+    double worst_residual; /* worst_residual of tides_stats */
     double renders;        /* of the last level, in full frames */
 } tides_exact;
 
-/* The events of `sensor` in the image's own signal, refined level by level until halving the steps moves no event by more than
- * a nanosecond, or `options` (nullable) ends it; two levels at least. Images without jumps (tides_image_is_continuous): the
- * cubic under error control, its longest step halved and its tolerance a sixteenth from level to level. Others: equal steps,
- * halved. No readout. TIDES_BAD_ARGUMENT where nothing fires, for nothing could be measured then. */
+/* The events of `sensor` in the image's own signal, without a readout. Levels are refined until halving the steps moves no
+ * event by more than a nanosecond, or until `options` (nullable) ends it; at least two levels. Continuous images
+ * (tides_image_is_continuous): cubics under error control, whose longest step is halved, and whose tolerance becomes a
+ * sixteenth, from level to level. Other images: equal steps, halved. TIDES_BAD_ARGUMENT: nothing fires, so nothing could be
+ * measured. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_exact_stream(tides_device *device, const tides_scene *scene,
                                                            const tides_trajectory *camera, const tides_intrinsics *intrinsics,
                                                            const tides_image_params *image, const tides_sensor *sensor,
@@ -47,30 +49,31 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_exact_stream(tides_device *device,
                                                            tides_progress progress, void *user, tides_exact *exact,
                                                            tides_error *error);
 
-/* 1 where nothing in the image jumps in time: rules smooth with all of its measures on. */
+/* 1 if nothing in the image jumps in time: rules smooth, with all measures of smoothing on. */
 TIDES_API int32_t tides_image_is_continuous(const tides_image_params *image);
 
-/* That of a session with ideal pixels of its own thresholds. On frames nobody knows what happened between them: exact are the
- * crossings of straight lines in log luminance from frame to frame, in double precision. */
+/* The exact stream of a session, with ideal pixels of its thresholds. On frames, the light between them is unknown: exact are
+ * the crossings of straight lines in log luminance from frame to frame, in double precision. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_exact(tides_session *session, const tides_exact_options *options,
                                                             tides_progress progress, void *user, tides_exact *exact,
                                                             tides_error *error);
 
-/* The settings that tides_ideal_settings makes, or-ed together. */
+/* The groups of settings that tides_ideal_settings makes, or-ed together. */
 enum {
-    TIDES_IDEAL_THRESHOLDS = 1, /* the method's thresholds are the run's (sensor.threshold_on and _off), where they have keys of
-                                   their own and the run gives none of these */
-    TIDES_IDEAL_PIXEL = 2,      /* the same in any case, its logarithm is the run's, and all that an ideal pixel doesn't have is
-                                   off: noise, spread, latency, low-pass, refractory period, readout */
-    TIDES_IDEAL_SENSOR = 4 /* the run's sensor in the method's own parameters, as near as they come to it, but for keys that
-                                   the run gives: thresholds and their spread, black level, low-pass, refractory period, leak
-                                   and noise */
+    /* the method's thresholds are the run's (sensor.threshold_on and _off), if it has keys for them and the run gives none */
+    TIDES_IDEAL_THRESHOLDS = 1,
+    /* the same in any case, its logarithm is the run's, and all that ideal pixels lack is off: noise, spread, latency,
+     * low-pass, refractory period, readout */
+    TIDES_IDEAL_PIXEL = 2,
+    /* the run's sensor in the method's parameters, as far as they allow, except keys that the run gives: thresholds and their
+     * spread, black level, low-pass, refractory period, leak and noise */
+    TIDES_IDEAL_SENSOR = 4
 };
 
 /* The run's sensor in parameters of the others (TIDES_IDEAL_SENSOR), where these aren't the same by another name:
  *   esim           spread 0: its own is drawn anew at each frame, and loses events. No low-pass, leak, or noise
- *   v2e            its pole goes with light, another is met at Y = 0.18. It has no black level: thresholds are
- *                  (0.18 + log_eps) / 0.18 times as high, the same change of light there
+ *   v2e            its pole goes with light, another is met at Y = 0.18. It has no black level: the frames get it
+ *                  (added_dn = 255 log_eps)
  *   dvs-voltmeter  k1 = 2 / (C_on + C_off), k2 = 255 log_eps, k4 = leak, and k6 from noise: a Brownian motion of k6 leaves +-1
  *                  k6^2 times per us; k3 and k5 go with light and are 0. No low-pass, spread, or refractory period
  *   iebcs          scale = 1 / log_eps, tau as v2e's pole, no latency but the low-pass's; leak and half the noise are its ON

@@ -1,4 +1,4 @@
-/* How good a stream is: distances between streams of events.
+/* How good a stream is: distances between two streams of events.
  *
  * Definitions: Sec. 4.3 of the paper where it gives them; what it leaves open (pooling, units, truncation) is fixed here, at
  * each field. Values that would divide by 0 are undefined: NaN in C and null in JSON. No number of a simulated stream means
@@ -12,16 +12,15 @@
 extern "C" {
 #endif
 
-/* How a stream compares with the exact one. Percentiles are of |dt| over the matched pairs, interpolated linearly between
- * neighbours in the sorted list; NaN where no pair was matched. */
+/* How a stream compares with the exact one. Percentiles are of |dt| over the matched pairs, with linear interpolation in the
+ * sorted list; NaN without pairs. */
 typedef struct tides_match {
     uint64_t reference, simulated; /* events in the streams */
     uint64_t matched;              /* pairs */
-    uint64_t missing, spurious;    /* events of the reference, of the simulated stream, that have no counterpart */
-    double mismatch_percent;       /* 100 (missing + spurious) / reference; 0 where both are empty, infinite where only the
-                                      reference is */
+    uint64_t missing, spurious;    /* events of the reference, and of the simulated stream, without a counterpart */
+    double mismatch_percent; /* 100 (missing + spurious) / reference; 0 if both are empty, infinite if only the reference is */
     double dt_median_us, dt_p95_us, dt_p99_us, dt_max_us; /* of |simulated - reference| over the pairs [us] */
-    double dt_mean_us;                                    /* of the signed simulated - reference: the bias */
+    double dt_mean_us;                                    /* mean of simulated - reference, with its sign: the bias [us] */
 } tides_match;
 
 /* Matches the events of each pixel and polarity in order of time: of all pairings that don't cross and pair nothing further
@@ -48,7 +47,7 @@ enum {
     TIDES_METRICS_ALL = 1023
 };
 
-/* Which intervals between events of a pixel are counted. */
+/* The intervals between a pixel's events that are counted. */
 enum {
     TIDES_PAIRS_ANY = 0,   /* of consecutive events */
     TIDES_PAIRS_SAME = 1,  /* of consecutive events of equal polarity */
@@ -56,32 +55,33 @@ enum {
     TIDES_PAIRS = 3
 };
 
-/* Lengths of bins that the Fano factor is taken for. */
+/* Number of bin lengths for which Fano factors are computed. */
 enum { TIDES_FANO_BINS = 3 };
 
 /* The metrics wanted and their parameters; fill with tides_metrics_options_defaults. */
 typedef struct tides_metrics_options {
-    uint32_t size;             /* sizeof this struct */
-    uint32_t wanted;           /* TIDES_METRIC_* */
-    int32_t width, height;     /* sensor [px]; 0, 0: as large as the events need */
-    int32_t roi[4];            /* x, y, width, height [px]: only events in it, coordinates from its corner; width 0: all */
-    int64_t start_ns, stop_ns; /* only events in [start, stop); equal: from the first event of both to the last, whole ticks;
-                                  streams that share no time are then TIDES_BAD_ARGUMENT */
-    int64_t tick_ns;           /* times are floored to this clock (but for `match`); 0: as they are */
-    double isi_floor_s;        /* shorter intervals count as this, > 0 */
-    double clock_s;            /* ISI spike: period of a known clock; 0: find the spikes */
+    uint32_t size;         /* sizeof this struct */
+    uint32_t wanted;       /* TIDES_METRIC_* */
+    int32_t width, height; /* sensor [px]; 0, 0: as large as the events need */
+    int32_t roi[4];        /* x, y, width, height [px]: only events in it, coordinates from its corner; width 0: all */
+    /* only events in [start, stop); equal: from the first event of both to the last, in whole ticks; TIDES_BAD_ARGUMENT if
+     * the streams then share no time */
+    int64_t start_ns, stop_ns;
+    int64_t tick_ns;                    /* times are floored to this clock (except for the match); 0: unchanged */
+    double isi_floor_s;                 /* shorter intervals count as this, > 0 */
+    double clock_s;                     /* ISI spike: period of a known clock; 0: find the spikes */
     double fano_bin_s[TIDES_FANO_BINS]; /* lengths of the bins that are counted in [s], > 0 */
     int32_t fano_tile_px;               /* edge of the tiles of Fano error and Same-ts, > 0 */
     int32_t fano_events_min;            /* tiles with fewer events than this, in either stream, are left out */
     double fano_epsilon;                /* added to both Fano factors before the logarithm, > 0 */
     double speed_px_per_s;              /* Chamfer: v; 0: from the reference */
-    double window_s;                    /* Chamfer: events of one window are compared */
-    double cell_px;                     /* Chamfer: edge of the cells of which each keeps one point */
+    double window_s;                    /* Chamfer: length of the windows whose events are compared */
+    double cell_px;                     /* Chamfer: edge of a cell, which keeps one point */
     double victor_purpura_per_s;        /* cost of shifting an event by a second; adding or removing one costs 1 */
     double van_rossum_s;                /* time constant of the filter */
-    double difference_limit_s;          /* time difference: longer ones, and missing events, count as this */
+    double difference_limit_s;          /* time difference: upper limit, also used for missing events */
     double kernel_px, kernel_s;         /* standard deviations of the Gaussian kernel */
-    double match_limit_s;               /* as limit_s of tides_match_events */
+    double match_limit_s;               /* greatest distance of matched events */
 } tides_metrics_options;
 
 /* TIDES_METRICS_DEFAULT; whole streams; tick 1 us; floor 0.5 us; bins of 1, 0.2 and 5 ms, tiles of 16 px, 20 events, 1e-3;
@@ -89,8 +89,8 @@ typedef struct tides_metrics_options {
  * 1 ms. */
 TIDES_API void tides_metrics_options_defaults(tides_metrics_options *options);
 
-/* Intervals and the inverse Gaussian IG(mean, shape) with the largest likelihood: shape = 1 / (mean(1/tau) - 1/mean(tau)),
- * 1/shape at least 1e-6 / mean. */
+/* Intervals tau, and the inverse Gaussian IG(mean, shape) of largest likelihood: shape = 1 / (mean(1/tau) - 1/mean(tau)),
+ * where 1/shape is at least 1e-6 / mean. */
 typedef struct tides_interval_fit {
     uint64_t count, floored; /* intervals; intervals shorter than the floor */
     double mean_s, shape_s;  /* NaN without intervals */
@@ -101,37 +101,37 @@ typedef struct tides_stream_metrics {
     uint64_t events;                           /* in the interval and region */
     double on_fraction;                        /* ON events / events */
     tides_interval_fit intervals[TIDES_PAIRS]; /* by the polarities of the pair */
-    double isi_spike;             /* fraction of intervals (any) of at most 1 us or on a clock: lib/metrics/isi_spike.c */
+    double isi_spike;             /* fraction of all intervals that are at most 1 us, or at the quanta of a clock */
     double same_time;             /* fraction of events that share their tick with another event of the sensor */
-    double same_time_tile;        /* of their tile */
+    double same_time_tile;        /* fraction of events that share their tick with another event of their tile */
     double fano[TIDES_FANO_BINS]; /* mean Fano factor of the compared tiles: variance of the counts (over n - 1 bins) / mean */
     double van_rossum_norm;       /* squared van Rossum distance from no events at all, summed like van_rossum */
 } tides_stream_metrics;
 
-/* A simulated stream against a reference. */
+/* A comparison of a simulated stream with a reference. */
 typedef struct tides_metrics {
-    uint32_t computed;                         /* TIDES_METRIC_*: the rest is NaN and 0 */
+    uint32_t computed;                         /* TIDES_METRIC_*; the fields of other families are NaN or 0 */
     int32_t width, height;                     /* [px] of the sensor, or of the region of interest */
     int64_t start_ns, stop_ns;                 /* the interval */
     tides_stream_metrics reference, simulated; /* of each stream by itself */
 
-    double count_ratio;                     /* simulated / reference events */
-    double count_ratio_on, count_ratio_off; /* of each polarity */
+    double count_ratio;                     /* events of the simulated stream / of the reference */
+    double count_ratio_on, count_ratio_off; /* the same for each polarity */
     double rate_error[TIDES_FANO_BINS];     /* sum over bins of time, each as long as the Fano factor's, of the whole sensor's
                                                |simulated - reference| events, over the reference's events: 0 equal rates */
-    double region_error;                    /* the same over tiles of fano_tile_px in place of bins */
-    double count_correlation; /* Pearson's, of events per pixel; NaN where either stream has the same count everywhere */
+    double region_error;                    /* the same sum over tiles of fano_tile_px, over the reference's events */
+    double count_correlation; /* Pearson's correlation of events per pixel; NaN if either count is the same everywhere */
 
     /* Negative log-likelihood of the reference's intervals [nats per interval, tau in seconds] under the fit to the simulated
      * ones, and under their own fit; excess is the difference: the Kullback-Leibler divergence of the fits, free of units, not
      * negative. NaN under 2 simulated intervals or 1 of the reference. Blind to batching shorter than the intervals. */
     double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS]; /* as above */
-    double isi_w1;          /* Wasserstein-1 distance of log10 intervals (any) [decades] */
-    double isi_w1_after[2]; /* of those whose first event is OFF, ON */
+    double isi_w1;          /* Wasserstein-1 distance of log10 of all intervals [decades] */
+    double isi_w1_after[2]; /* the same for intervals whose first event is OFF, ON */
 
     double fano_error[TIDES_FANO_BINS];    /* mean |ln((F_simulated + epsilon) / (F_reference + epsilon))| over the tiles */
     uint64_t fano_tiles[TIDES_FANO_BINS];  /* tiles compared */
-    double fano_coverage[TIDES_FANO_BINS]; /* of the reference's tiles with enough events */
+    double fano_coverage[TIDES_FANO_BINS]; /* compared tiles / tiles of the reference with enough events */
 
     /* Events as points (x, y, v t), each polarity and window by itself, one point per cell (the mean of its events);
      * distances to the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the
@@ -142,7 +142,7 @@ typedef struct tides_metrics {
     double chamfer_fraction;                                 /* of the diagonal */
     double chamfer_limit_px;                                 /* min(v window, diagonal) */
     double chamfer_to_simulated_px, chamfer_to_reference_px; /* means of all points of the reference, of the simulated stream */
-    uint64_t chamfer_terms, chamfer_one_sided;               /* windows of a polarity; windows with one stream empty */
+    uint64_t chamfer_terms, chamfer_one_sided; /* terms: windows of a polarity; those in which one stream is empty */
 
     /* Spike-train distances between the trains of each pixel and polarity, summed. */
     double victor_purpura;          /* least cost of turning one train into the other */
@@ -151,15 +151,14 @@ typedef struct tides_metrics {
     double van_rossum_fraction;     /* of the two norms' sum: 0 identical, 1 nothing near */
 
     double time_difference_us;     /* mean over the reference's events (V2CE, stage 2), at most difference_limit_s */
-    uint64_t time_difference_over; /* events with a longer one, or with none */
+    uint64_t time_difference_over; /* events above the limit, or without any counterpart */
     double kernel_distance;        /* squared distance of the streams under the Gaussian kernel, polarity as sign */
     tides_match match;             /* pairs of events */
-    double matched_share;          /* 2 pairs / events of both streams: 1 where each has its counterpart within the limit */
+    double matched_share;          /* 2 pairs / events of both streams: 1 if every event has its counterpart within the limit */
 } tides_metrics;
 
-/* Description of a value of a comparison. It belongs to each stream (a field of tides_stream_metrics) or to both (of
- * tides_metrics). It is one number, or one for each kind of pairs (TIDES_PAIRS) or bin (TIDES_FANO_BINS). BETTER is the
- * direction that is better. */
+/* The description of a metric. It belongs to each stream (a field of tides_stream_metrics) or to both (of tides_metrics). It
+ * is one number, or one for each kind of pairs (TIDES_PAIRS) or bin (TIDES_FANO_BINS). BETTER is the better direction. */
 enum { TIDES_OF_BOTH = 0, TIDES_OF_STREAM = 1 };
 enum { TIDES_REPEATS_ONCE = 0, TIDES_REPEATS_PAIRS = 1, TIDES_REPEATS_BINS = 2 };
 enum {
@@ -170,14 +169,14 @@ enum {
     TIDES_BETTER_ZERO = 4 /* the nearer to 0 */
 };
 typedef struct tides_metric {
-    const char *name;            /* as the tool's JSON has it: "chamfer_px" */
-    const char *family;          /* of --only: "chamfer" */
-    uint32_t wanted;             /* TIDES_METRIC_* that it is computed with */
+    const char *name;            /* as in the tool's JSON: "chamfer_px" */
+    const char *family;          /* as in --only: "chamfer" */
+    uint32_t wanted;             /* TIDES_METRIC_* of its family */
     const char *unit, *sentence; /* "px", or "" */
     int32_t better;              /* TIDES_BETTER_* */
     int32_t of, repeats;         /* TIDES_OF_*; TIDES_REPEATS_* */
     int32_t is_real;             /* 1: double; 0: uint64_t */
-    size_t offset, stride;       /* of its field, and from one of several to the next [bytes] */
+    size_t offset, stride;       /* of its field; between repeated fields [bytes] */
 } tides_metric;
 
 /* The table of all values; static storage, `count` (nullable) receives its length. */
@@ -195,25 +194,25 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_metrics_compare(const tides_event 
 
 /* -- what of a recording isn't of its light ----------------------------------------------------------------------------- */
 
-/* Stretches of time and pixels that tell nothing of the light: bursts that the readout of frames makes (many pixels at once,
- * far above the rate around, for at most 5 ms), and hot pixels (ten events and five times as many as the third busiest pixel
- * within 2 px). The caller frees it with tides_blemishes_free. */
+/* Stretches of time, and pixels, that tell nothing about the light. These are bursts from the readout of frames (many pixels
+ * at once, far above the usual rate, for at most 5 ms), and hot pixels. A hot pixel has at least ten events, and five times
+ * as many as the third busiest pixel within 2 px. The caller frees the lists with tides_blemishes_free. */
 typedef struct tides_blemishes {
     int64_t *burst;                    /* (bursts x 2): [start, stop) in ns, ascending, apart */
     uint16_t *hot;                     /* (hots x 2): x, y, row by row */
     size_t bursts, hots;               /* numbers of bursts and of hot pixels */
-    uint64_t burst_events, hot_events; /* of the recording: in bursts; of hot pixels outside of them */
+    uint64_t burst_events, hot_events; /* of the recording: in bursts; of hot pixels outside bursts */
 } tides_blemishes;
 
-/* Finds those of a recording of (width x height) px, whose events are in order of time (else TIDES_BAD_ARGUMENT). */
+/* Finds the blemishes of a recording of (width x height) px. Its events are in order of time (else TIDES_BAD_ARGUMENT). */
 TIDES_MUST_CHECK TIDES_API tides_status tides_blemishes_find(const tides_event *events, size_t count, int32_t width,
                                                              int32_t height, tides_blemishes *found, tides_error *error);
 
-/* Leaves out of `events`, in order of time, those within a burst and those of hot pixels, in place; how many are left. Streams
- * that are compared are to be treated alike. */
+/* Removes events within bursts and of hot pixels from `events`, in order of time, in place; returns how many are left.
+ * Streams that are compared must be treated alike. */
 TIDES_API size_t tides_blemishes_leave_out(const tides_blemishes *blemishes, tides_event *events, size_t count);
 
-/* Frees what it points to, and empties it. NULL is fine. */
+/* Frees the lists, and empties the struct. NULL is fine. */
 TIDES_API void tides_blemishes_free(tides_blemishes *blemishes);
 
 #ifdef __cplusplus

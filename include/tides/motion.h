@@ -1,7 +1,7 @@
 /* How the Gaussians of an object move by themselves: the motion models that dynamic splatting methods train.
  *
- * A motion belongs to one set of Gaussians (its canonical, raw parameters) and gives their parameters and exact rates at any
- * time of its own clock, [start, stop], in whatever unit the method used. */
+ * A motion belongs to one set of Gaussians (its canonical, raw parameters). It gives their parameters and exact rates at any
+ * time of its own clock, [start, stop], in the method's unit of time. */
 #ifndef TIDES_MOTION_H
 #define TIDES_MOTION_H
 
@@ -11,10 +11,10 @@
 extern "C" {
 #endif
 
-/* How Gaussians move by themselves. Opaque, constant once made. */
+/* A motion of Gaussians. Opaque, constant once made. */
 typedef struct tides_motion tides_motion;
 
-/* NULL is fine. A motion that a scene took over isn't the caller's any more. */
+/* NULL is fine. A motion that was added to a scene belongs to the scene. */
 TIDES_API void tides_motion_destroy(tides_motion *motion);
 
 /* "polynomial", "rotor", "keyframes", "hexplane", "network", "callback"; static storage. */
@@ -23,9 +23,9 @@ TIDES_API const char *tides_motion_model(const tides_motion *motion);
 /* First and last time of its own clock. */
 TIDES_API void tides_motion_range(const tides_motion *motion, double *start, double *stop);
 
-/* Constructors from arrays. They copy what they are given; count < 1, start >= stop, NaN or Inf: an error naming the array.
- * The Gaussians that a motion is for come with it when it is added to a scene: their number must be the same. Where those have
- * an origin, means here count from (0, 0, 0) all the same. */
+/* Constructors from arrays, which they copy. count < 1, start >= stop, NaN or Inf: an error naming the array. The Gaussians
+ * come with the motion when it is added to a scene; their number must be the same. If they have an origin, means here still
+ * count from (0, 0, 0). */
 
 /* Polynomials in time with a bell of opacity (SpacetimeGaussians, Li et al. 2024): with dt = tau - opacity_centre,
  *   mean = mean_0 + c_1 dt + c_2 dt^2 + c_3 dt^3,   quaternion = (quaternion_0 + quaternion_dot dt) normalised,
@@ -44,7 +44,7 @@ typedef struct tides_polynomial_motion {
     const float *mean_coefficient;  /* c_1, c_2, c_3: xyz each [scene units / tau^k]  (N x 9) */
     const float *quaternion_dot;    /* wxyz [1 / tau]           (N x 4) */
     int32_t plain_colour;           /* 1: colours are as given, not cut at 0 (the lite model) */
-    int32_t decoder;                /* TIDES_DECODER_...; the full model where not TIDES_DECODER_NONE: */
+    int32_t decoder;                /* TIDES_DECODER_...; other than NONE: the full model, with */
     const float *feature;           /* albedo 3, then 3 more     (N x 6) */
     const float *feature_dot;       /* of the last 3 of nine: dt times these [1 / tau]  (N x 3) */
     const float *decoder_first;     /* W_1, row-major           (6 x 12) */
@@ -95,8 +95,8 @@ typedef struct tides_keyframes_motion {
 TIDES_MUST_CHECK TIDES_API tides_status tides_motion_create_keyframes(const tides_keyframes_motion *arrays,
                                                                       tides_motion **motion, tides_error *error);
 
-/* Raw parameters of `count` Gaussians at a time and their rates per unit of that time, for a function to fill. They come
- * filled with the Gaussians' own parameters, and rates of 0. Row i is that of Gaussian index[i]. */
+/* Raw parameters of `count` Gaussians at a time, and their rates per unit of that time. A function gets them filled with the
+ * Gaussians' own parameters and rates of 0, and changes them. Row i belongs to Gaussian index[i]. */
 typedef struct tides_theta {
     double *mean, *mean_dot;                   /* (count x 3) */
     double *log_scale, *log_scale_dot;         /* (count x 3) */
@@ -105,23 +105,24 @@ typedef struct tides_theta {
     double *sh, *sh_dot;                       /* (count x K x 3); NULL unless the motion moves them */
 } tides_theta;
 
-/* Fills `theta` at `time`. Where rates jump, `side` -1 asks for those of what ends at `time`, +1 of what begins there. Returns
- * TIDES_OK, or a status with `error` filled, which the call under way then returns (TIDES_CANCELLED where it isn't one). */
+/* Fills `theta` at `time`. Where rates jump, `side` -1 asks for rates before `time`, +1 for those after it. Returns TIDES_OK,
+ * or a status with `error` filled, which the running call returns (TIDES_CANCELLED for a number that isn't a status). */
 typedef tides_status (*tides_motion_function)(void *user, double time, int32_t side, const int32_t *index, int64_t count,
                                               const tides_theta *theta, tides_error *error);
 
-/* Any other motion: a function, called in the thread that renders or simulates the scene, one call at a time for one renderer;
- * renderers of several threads call it at once. `user` must outlive the motion. NaN or Inf from the function, or a quaternion
- * of zero, end the call under way with TIDES_BAD_ARGUMENT. Scenes that hold one can't be saved. */
+/* Any other motion, as a function. It is called in the thread that renders or simulates the scene, once at a time for each
+ * renderer; renderers of several threads call it at once. `user` must outlive the motion. NaN or Inf, or a quaternion of
+ * zero, ends the running call with TIDES_BAD_ARGUMENT. Scenes with such a motion can't be saved. */
 typedef struct tides_callback_motion {
     int64_t count;                  /* N */
     double start, stop;             /* its own clock, any unit */
     tides_motion_function function; /* fills values and rates */
     void *user;                     /* its first argument */
-    int32_t moves_sh;               /* 1: it gives spherical harmonics too */
+    int32_t moves_sh;               /* 1: it also fills sh and sh_dot */
     int32_t reserved;
-    double time_scale; /* how long its own clock runs while nothing happens that values and rates at the start, the middle and
-                        * the end don't show: about the shortest period. 0: one macro step of the run (step_s), at least */
+    /* about the shortest period: how long motion may go on unseen between values and rates at the start, the middle and the
+     * end. 0: one macro step of the run (step_s), at least */
+    double time_scale;
 } tides_callback_motion;
 TIDES_MUST_CHECK TIDES_API tides_status tides_motion_create_callback(const tides_callback_motion *callback,
                                                                      tides_motion **motion, tides_error *error);

@@ -44,7 +44,7 @@
 extern "C" {
 #endif
 
-/* The queues of a readout, by kind, as described above. */
+/* The queues of a readout, by kind. */
 enum {
     TIDES_READOUT_TILES = 0,
     TIDES_READOUT_ROWS = 1,
@@ -59,7 +59,7 @@ enum { TIDES_JITTER_GAUSSIAN = 0, TIDES_JITTER_DELAY = 1 };
  * 0.2 ms). */
 typedef struct tides_readout {
     uint32_t size;
-    int32_t enabled;                /* for runs; an arbiter itself doesn't ask */
+    int32_t enabled;                /* 1: a run uses it; an arbiter itself ignores this */
     int32_t kind;                   /* TIDES_READOUT_* */
     int32_t tile_px;                /* side of a tile [px], >= 1 */
     int32_t k0;                     /* events per tick at rest, >= 1 */
@@ -76,14 +76,14 @@ typedef struct tides_readout {
 } tides_readout;
 TIDES_API void tides_readout_defaults(tides_readout *readout);
 
-/* Counts of the events: in = out + dropped + overflowed + waiting, always. */
+/* Counts of events: in = out + dropped + overflowed + waiting. */
 typedef struct tides_readout_stats {
     uint64_t in, out;     /* events given to it; events that left */
     uint64_t dropped;     /* by chance */
-    uint64_t overflowed;  /* their queue was full */
+    uint64_t overflowed;  /* lost because their queue was full */
     uint64_t waiting;     /* in queues, or held until the order is certain */
     uint64_t delayed;     /* left later than they fired, jitter aside */
-    uint64_t ticks;       /* in which something was served, rows read, or frames; idle ones are skipped */
+    uint64_t ticks;       /* ticks in which something was served, or rows or frames that were read; idle ticks are skipped */
     double worst_delay_s; /* from firing to leaving, jitter aside [s] */
 } tides_readout_stats;
 
@@ -100,21 +100,22 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_create(const tides_readout
 /* NULL is fine. */
 TIDES_API void tides_arbiter_destroy(tides_arbiter *arbiter);
 
-/* The run's start [ns], before anything is pushed: no event leaves earlier. Without this, jitter may take them anywhere. */
+/* Sets the run's start [ns], before anything is pushed: no event leaves earlier. Without it, jitter may move events to any
+ * time. */
 TIDES_API void tides_arbiter_start(tides_arbiter *arbiter, int64_t start_ns);
 
-/* Tiles of tile_px, across and down; a ROWS or BOTTLENECK arbiter has them too, for drops and jitter. */
+/* The number of tiles of tile_px, across and down. ROWS and BOTTLENECK have them too, for drops and jitter. */
 TIDES_API void tides_arbiter_tiles(const tides_arbiter *arbiter, int32_t *across, int32_t *down);
 
 /* psi of every tile (across x down), each in [0, 1], for events pushed from now on. Copied. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_activity(tides_arbiter *arbiter, const double *psi, tides_error *error);
 
-/* Takes `count` events, sorted and not before any pushed earlier (else TIDES_BAD_ARGUMENT and none is taken), and gives `sink`
- * (nullable) what has left by then. How a stream is cut into pushes doesn't matter. */
+/* Takes `count` events, sorted and not before any pushed earlier (else TIDES_BAD_ARGUMENT and none is taken). `sink`
+ * (nullable) receives events that have left. The result doesn't depend on how a stream is cut into calls. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_push(tides_arbiter *arbiter, const tides_event *events, size_t count,
                                                            tides_readout_sink sink, void *user, tides_error *error);
 
-/* Gives `sink` all that still waits: the scanner goes on until the queues are empty. */
+/* Gives `sink` all events that still wait: the scanner goes on until the queues are empty. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_finish(tides_arbiter *arbiter, tides_readout_sink sink, void *user,
                                                              tides_error *error);
 

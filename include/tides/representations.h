@@ -1,7 +1,7 @@
-/* Events as dense arrays, the way that networks take them. All arrays are the caller's, (planes x height x width) doubles,
- * row 0 on top, and are overwritten. Events must be in order of time and inside the image, else TIDES_BAD_ARGUMENT and the
- * array is left as it was; 0 events are fine. The calls touch nothing else: several threads may make arrays at once. Memory
- * beside the array: one value per cell for time surfaces, none for the others. */
+/* Events as dense arrays, as networks take them. All arrays are the caller's, (planes x height x width) doubles, row 0 on
+ * top, and are overwritten. Events must be in order of time and inside the image, else TIDES_BAD_ARGUMENT, and the array is
+ * unchanged. 0 events are fine. Several threads may make arrays at once. Memory besides the array: one value per cell for
+ * time surfaces, none for others. */
 #ifndef TIDES_REPRESENTATIONS_H
 #define TIDES_REPRESENTATIONS_H
 
@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-/* Normalisation of the cells of a voxel grid that aren't 0; cells at 0 stay 0. Where all values are equal, only the mean is
+/* Normalisation of the cells of a voxel grid that aren't 0; others stay 0. If all values are equal, only the mean is
  * subtracted. */
 enum {
     TIDES_NORMALISE_NONE = 0,
@@ -26,7 +26,7 @@ enum {
     TIDES_VOXEL_TIMELENS = 2 /* 5 bins between two images: set start_ns and stop_ns; not normalised */
 };
 
-/* How events become a grid; fill with tides_voxel_options_defaults. */
+/* Options of a voxel grid; fill with tides_voxel_options_defaults. */
 typedef struct tides_voxel_options {
     uint32_t size;     /* sizeof this struct */
     int32_t bins;      /* 1 to 4096 */
@@ -35,11 +35,11 @@ typedef struct tides_voxel_options {
     int64_t start_ns, stop_ns;
 } tides_voxel_options;
 
-/* The options of TIDES_VOXEL_*; for any other value those of E2VID. */
+/* Sets the options of `style` (TIDES_VOXEL_*); for other numbers those of E2VID. */
 TIDES_API void tides_voxel_options_defaults(tides_voxel_options *options, int32_t style);
 
-/* grid (bins x height x width): each event's polarity (1, -1) is shared linearly between the two bins around
- * t* = (bins - 1) (t - start) / (stop - start). Where start and stop events are simultaneous all goes to bin 0. */
+/* grid (bins x height x width): each event's polarity (1, -1) is shared linearly between the two bins around t* = (bins - 1)
+ * (t - start) / (stop - start). If start and stop events are simultaneous, all goes to bin 0. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_voxel_grid(const tides_event *events, size_t count, int32_t width, int32_t height,
                                                          const tides_voxel_options *options, double *grid, tides_error *error);
 
@@ -47,8 +47,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_voxel_grid(const tides_event *even
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_frame(const tides_event *events, size_t count, int32_t width,
                                                           int32_t height, double *frame, tides_error *error);
 
-/* surface (2 x height x width), OFF and ON: exp(-(time - t) / decay_s) for the latest event at or before `time_ns`, 0 where
- * there is none (HOTS). Later events are left out, so that the surfaces of successive times come from one stream. */
+/* surface (2 x height x width), OFF and ON: exp(-(time - t) / decay_s) for the latest event at or before `time_ns`, 0 if
+ * there is none (HOTS). Later events are ignored, so surfaces of successive times can come from one stream. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_time_surface(const tides_event *events, size_t count, int32_t width,
                                                            int32_t height, int64_t time_ns, double decay_s, double *surface,
                                                            tides_error *error);
@@ -72,15 +72,15 @@ typedef struct tides_array_writer tides_array_writer;
 TIDES_MUST_CHECK TIDES_API tides_status tides_array_writer_open(const char *path, const tides_array_shape *shape,
                                                                 tides_array_writer **writer, tides_error *error);
 
-/* Appends the array of a window: `start_ns` to `stop_ns`, made of `events` events. After a failure only _abandon is left. */
+/* Appends a window's array: `start_ns` to `stop_ns`, made from `events` events. After a failure only _abandon may be called. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_array_writer_append(tides_array_writer *writer, const double *array,
                                                                   int64_t start_ns, int64_t stop_ns, uint64_t events,
                                                                   tides_error *error);
 
-/* Completes the file and renames it into place; the writer is gone whatever is returned. An .exr needs its window. */
+/* Completes the file and renames it; the writer is gone, whatever is returned. An .exr needs its window. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_array_writer_finish(tides_array_writer *writer, tides_error *error);
 
-/* Removes what was written. NULL is fine. */
+/* Removes the unfinished file. NULL is fine. */
 TIDES_API void tides_array_writer_abandon(tides_array_writer *writer);
 
 #ifdef __cplusplus

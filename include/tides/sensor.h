@@ -20,15 +20,15 @@ extern "C" {
  *   DROP_CONSUME  crossings are dropped, and the reference moves with them: that contrast is lost (ESIM) */
 enum { TIDES_REFRACTORY_HOLD = 0, TIDES_REFRACTORY_DROP_KEEP = 1, TIDES_REFRACTORY_DROP_CONSUME = 2 };
 
-/* Blur of the logarithm and its rate, as in the paper, or of luminance before the logarithm, as optics do. */
+/* The optics' blur: of the logarithm and its rate, as in the paper, or of luminance before the logarithm, as in real optics. */
 enum { TIDES_PSF_LOG = 0, TIDES_PSF_LINEAR = 1 };
 
-/* FIRST_ORDER: one pole at photoreceptor_cutoff_hz. CIRCUIT: the pixel's chain of a second-order photoreceptor, whose poles go
- * with the photocurrent, a source follower and a difference amplifier (lib/sensor/response/td_frontend.h has the equations);
- * the cutoff and photoreceptor_law are then not read. */
+/* FIRST_ORDER: one pole at photoreceptor_cutoff_hz. CIRCUIT: the pixel's chain of a second-order photoreceptor, whose poles
+ * are proportional to the photocurrent, a source follower and a difference amplifier. The cutoff and photoreceptor_law aren't
+ * read then. */
 enum { TIDES_BANDWIDTH_FIRST_ORDER = 0, TIDES_BANDWIDTH_CIRCUIT = 1 };
 
-/* Whether the pole stays where it is, or goes with luminance as v2e has it: cutoff (DN + 20) / 275, DN = 255 Y. */
+/* CONSTANT: the pole doesn't depend on light. INTENSITY: as in v2e, it is cutoff (DN + 20) / 275, DN = 255 Y. */
 enum { TIDES_PHOTORECEPTOR_CONSTANT = 0, TIDES_PHOTORECEPTOR_INTENSITY = 1 };
 
 /* Where a pixel's reference is when a run begins.
@@ -62,14 +62,14 @@ typedef struct tides_circuit {
     double difference_hz;      /* 0: left out */
 } tides_circuit;
 
-/* Event causes: tides_event.cause. */
+/* Causes of events, for tides_event.cause. */
 enum { TIDES_CAUSE_SIGNAL = 0, TIDES_CAUSE_LEAK = 1, TIDES_CAUSE_SHOT = 2, TIDES_CAUSE_HOT = 3, TIDES_CAUSES = 4 };
 
 /* Fill with tides_sensor_defaults: thresholds 0.2, 64 events per step, all else off. */
 typedef struct tides_sensor {
     uint32_t size;
-    /* Per pixel and step, >= 1. Error control cuts steps that may have more. Further events, where it can't or isn't on, are
-     * counted and fire at the step's end. */
+    /* Limit per pixel and step, >= 1. Error control cuts steps that may have more events. If it can't, or isn't on, further
+     * events are counted and fire at the step's end. */
     int32_t max_events_per_step; /* as above */
     double threshold_on;         /* C+ [log units], > 0 */
     double threshold_off;        /* C- [log units], > 0 */
@@ -81,7 +81,7 @@ typedef struct tides_sensor {
     int32_t psf_domain;      /* TIDES_PSF_* */
     double leak_rate_hz;     /* ON events per second that the reference's drift makes in a pixel at rest [Hz] */
     double leak_sigma;       /* decades of log-normal spread of that rate from pixel to pixel */
-    double leak_hz_per_a;    /* more of it, per photocurrent of circuit.* at Y = 0.5, which the switch sees too [Hz / A] */
+    double leak_hz_per_a;    /* additional leak per photocurrent of circuit.* at Y = 0.5 [Hz / A] */
     double temperature_c;    /* 25: leak_rate_hz is there; it doubles every 8, as silicon's leakage does [degrees C] */
     double threshold_parity; /* odd columns' thresholds are higher by this part, even ones' lower, in (-1, 1) [1] */
     double b_min;            /* pixels with less coverage than this stay silent, in [0, 1] */
@@ -91,30 +91,31 @@ typedef struct tides_sensor {
 
     double psf_sigma_px;            /* [px] */
     double photoreceptor_cutoff_hz; /* -3 dB [Hz]; 0: off */
-    double photoreceptor_half_a; /* the cutoff is that x I / (I + this), I being the photocurrent of circuit.* at Y = 0.5, the
-                                       run's light: below it the photodiode is slower than what follows; 0: as it is [A] */
-    int32_t photoreceptor_law;   /* TIDES_PHOTORECEPTOR_* */
-    int32_t bandwidth;           /* TIDES_BANDWIDTH_* */
-    tides_circuit circuit;       /* of TIDES_BANDWIDTH_CIRCUIT */
-    double surround_lambda_px;   /* space constant of the surround's diffuser [px]; 0: off */
-    double surround_tau_s;       /* its time constant [s] */
-    double noise_rms;            /* additive Ornstein-Uhlenbeck noise [log units] */
-    double noise_cutoff_hz;      /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
-    double noise_sigma;          /* decades of log-normal spread of its size from pixel to pixel */
-    int32_t noise_law;           /* TIDES_NOISE_* */
-    double highpass_hz;          /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
-    uint64_t seed;               /* of all that is random here */
-    int32_t labels;              /* 1: events get tides_event_frontend */
-    int32_t initial;             /* TIDES_INITIAL_* */
-    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
-     * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
-     * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
-     * Read when pixels are made. The caller's. */
+    /* the cutoff is multiplied by I / (I + this), where I is the photocurrent of circuit.* at Y = 0.5, as the photodiode
+     * limits it in weak light; 0: not multiplied [A] */
+    double photoreceptor_half_a;
+    int32_t photoreceptor_law; /* TIDES_PHOTORECEPTOR_* */
+    int32_t bandwidth;         /* TIDES_BANDWIDTH_* */
+    tides_circuit circuit;     /* of TIDES_BANDWIDTH_CIRCUIT */
+    double surround_lambda_px; /* space constant of the surround's diffuser [px]; 0: off */
+    double surround_tau_s;     /* its time constant [s] */
+    double noise_rms;          /* additive Ornstein-Uhlenbeck noise [log units] */
+    double noise_cutoff_hz;    /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    double noise_sigma;        /* decades of log-normal spread of its size from pixel to pixel */
+    int32_t noise_law;         /* TIDES_NOISE_* */
+    double highpass_hz;        /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
+    uint64_t seed;             /* of all that is random here */
+    int32_t labels;            /* 1: events get tides_event_frontend */
+    int32_t initial;           /* TIDES_INITIAL_* */
+    /* A file with values of single pixels, which replace drawn ones (nullable; the caller's). It has arrays of the image's
+     * height by width, in an .npz, a structured .npy, or HDF5. Their names are threshold_on, threshold_off [log units], leak
+     * [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1]. Any may be missing, and NaN means unknown. It is read when
+     * pixels are made. */
     const char *maps;
-    /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, which decays.
-     * Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (of reset, of signal) + y kick_row_s
-     * later; reads before the run aren't. Behind all filters. Not with a pole that goes with the light, nor the circuit; a step
-     * is at most 16 recoveries long. */
+    /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, after all
+     * filters, and decays. Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (reset, signal)
+     * + y kick_row_s later. Reads before the run don't count. Not with a pole that depends on light, nor the circuit. A step is
+     * at most 16 recoveries long. */
     double kick;            /* [log units], of either sign; 0: off */
     double kick_recovery_s; /* its time constant [s] */
     double kick_rate_hz;    /* frames per second [Hz] */

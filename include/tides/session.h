@@ -1,4 +1,4 @@
-/* A run file, run: all that it names opened, and its events into a sink or a file. Five lines are a run:
+/* A run, with all files that it names open; its events go into a sink or a file. Five lines are a run:
  *
  *     tides_error error;
  *     tides_session *session = NULL;
@@ -17,23 +17,22 @@
 extern "C" {
 #endif
 
-/* A run with all that it names open. Opaque. */
+/* A run with all files that it names open. Opaque. */
 typedef struct tides_session tides_session;
 
-/* Reads a run file as tides_run_load does and opens all that it names: scene and camera, or frames; and the device, which runs
- * on frames don't need. `device` (nullable) is as tides_device_open's `spec`; it wins over the run file's, which wins over the
- * environment's TIDES_DEVICE. On failure nothing stays open. */
+/* Reads a run file and opens the files that it names: scene and camera, or frames; and the device, unless the run is on
+ * frames. `device` (nullable) is a `spec` of tides_device_open. It has priority over the run file's, which has priority over
+ * the environment's TIDES_DEVICE. On failure nothing stays open. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_load(const char *file, const char *const *overrides, size_t count,
                                                            const char *device, tides_session **session, tides_error *error);
 
-/* Opens a session of a run that was read before, on an open device (nullable: as above). Both must outlive the session. */
+/* Opens a session of a run on an open device (nullable: as the run says). Both must outlive the session. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session,
                                                            tides_error *error);
 
-/* Another session on what `base` has open, with more overrides (tides_run_vary): other methods, sensors, steps. Overrides that
- * need something else opened (a scene, a size, a device) are TIDES_BAD_CONFIG naming the key; another camera of a rig
- * (rig.camera) has its own place and lens on the same scene. `base` must outlive it; the two are one object where threads are
- * concerned. */
+/* Makes another session on the open files of `base`, with more overrides: other methods, sensors, steps. TIDES_BAD_CONFIG
+ * naming the key: an override needs something else opened (a scene, a size, a device). Another camera of a rig (rig.camera)
+ * has its own place and lens on the same scene. `base` must outlive the session; only one thread may use the two at a time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_vary(const tides_session *base, const char *const *overrides,
                                                            size_t count, tides_session **session, tides_error *error);
 
@@ -48,18 +47,18 @@ typedef struct tides_session_facts {
     const tides_trajectory *camera; /* its path, on the rig where there is one */
     tides_frames *frames;           /* NULL on a scene */
     tides_device *device;           /* that it runs on */
-    tides_device_info info;         /* of the device; on frames its name says so */
-    int32_t sees_frames;            /* 1: the method sees frames, of a sequence or rendered: all but TIDES on a scene */
+    tides_device_info info;         /* of the device; its name says so on frames */
+    int32_t sees_frames;            /* 1: the method sees frames, of a sequence or rendered; 0: TIDES on a scene */
     int32_t reserved;
 } tides_session_facts;
 TIDES_API void tides_session_get(const tides_session *session, tides_session_facts *facts);
 
-/* Notes on the opened files that may surprise the run's reader, a line each, such as a path whose poses leap or have no times;
- * "" where there are none. The string belongs to the session and lives as long. Notes on the run file are tides_run_notes'. */
+/* Surprising facts about the opened files, a line each, such as a path whose poses leap or have no times; else "". The string
+ * lives as long as the session. tides_run_notes has those about the run file. */
 TIDES_API const char *tides_session_notes(const tides_session *session);
 
-/* Runs it whole, whatever its method: `sink` gets the events in order, from the simulator, its readout, or a baseline. `stats`
- * (nullable) is filled also where the run was stopped. TIDES_UNSUPPORTED where the run asks for a readout or labels and the
+/* Runs the whole run, with any method. `sink` receives the events in order, from the simulator, its readout, or a baseline.
+ * `stats` (nullable) is also filled if the run was stopped. TIDES_UNSUPPORTED: the run wants a readout or labels, and its
  * method sees frames. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_run(tides_session *session, tides_event_sink sink, void *sink_user,
                                                           tides_progress progress, void *user, tides_stats *stats,
@@ -70,8 +69,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_run(tides_session *session
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user,
                                                                 tides_simulator **simulator, tides_error *error);
 
-/* Writes the values that the run's sensor has drawn for each pixel, and those that sensor.maps gave, as an HDF5 file. Given as
- * sensor.maps of another run, the file makes both runs share a sensor, but for chance in time. */
+/* Writes an HDF5 file with the values drawn for each pixel of the run's sensor, and those of sensor.maps. With the file as
+ * sensor.maps, another run has the same sensor, except for random numbers over time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_maps(tides_session *session, const char *path, tides_error *error);
 
 /* A renderer of the run's scene by its image rules; TIDES_UNSUPPORTED for runs on frames. The optics' blur
@@ -80,8 +79,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_maps(tides_session *sessio
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_renderer(tides_session *session, tides_progress progress, void *user,
                                                                tides_renderer **renderer, tides_error *error);
 
-/* Why the run fired nothing, by the statistics of a whole one: one line, or "" where it has events, or nothing can be said.
- * Without events its image is looked at 17 times, which takes as long as so many frames. */
+/* Why the run fired nothing, from the statistics of the whole run: one line, or "" if it has events, or there is no
+ * explanation. Without events, 17 frames are rendered to find out. */
 enum { TIDES_SILENCE = 256 };
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_silence(tides_session *session, const tides_stats *stats,
                                                               char text[TIDES_SILENCE], tides_error *error);
@@ -93,10 +92,10 @@ typedef struct tides_session_taken {
     uint64_t count;     /* frames, samples, or times of tracks */
     uint64_t tracks;    /* points followed */
     double error;       /* frames: the largest estimated error of mean light in a pixel [1] */
-    double renders;     /* frames: renders that they took, in full frames */
-    uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
+    double renders;     /* frames: renders, in full frames */
+    uint64_t unsettled; /* frames: pixels whose error stayed above the tolerance */
     uint64_t pairs;     /* frames: (splat, pixel) pairs that were composited; 0: nothing of the scene was in view */
-    int32_t at_imu;     /* of measurements: 1: where a calibration has the IMU, 0: in the camera's place, with its axes */
+    int32_t at_imu;     /* measurements: 1: a calibration gives the IMU's place; 0: it is the camera's, with its axes */
     int32_t reserved;
 } tides_session_taken;
 

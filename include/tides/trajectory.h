@@ -1,10 +1,10 @@
 /* A rigid motion over time: the path of a camera or of an object, with its exact rate.
  *
- * Between samples, positions follow a C2 cubic spline and rotations a C1 (or smoother) curve on the sphere of unit
- * quaternions; the rates are the exact derivatives of those curves, never differences. Where samples far closer than their
- * neighbours would make a component swing beyond the range of the samples around it by as much as that range, it is a monotone
- * cubic instead (Fritsch and Butland), C1. Poses map body coordinates to the
- * world: p_world = rotation p_body + position. A camera's body axes are OpenCV's: x right, y down, z forward. */
+ * Between samples, positions follow a C2 cubic spline, and rotations a C1 (or smoother) curve on the sphere of unit
+ * quaternions. The rates are the exact derivatives of those curves, never differences. Samples that are far closer than their
+ * neighbours could make a component overshoot the range of the samples around it by as much as that range. There it is a
+ * monotone C1 cubic instead (Fritsch and Butland). Poses map body coordinates to the world: p_world = rotation p_body +
+ * position. A camera's body axes are OpenCV's: x right, y down, z forward. */
 #ifndef TIDES_TRAJECTORY_H
 #define TIDES_TRAJECTORY_H
 
@@ -47,34 +47,32 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_static(const dou
                                                                        tides_trajectory **trajectory, tides_error *error);
 
 /* The path of what sits rigidly on a body, such as a camera on its rig: p_body = R(quaternion) p_mounted + position, wxyz,
- * [scene units]. Poses and rates are the body's, composed at each time: the curve stays the body's. (A path through
- * tides_trajectory_sample's samples would be another one between them.) `body` isn't needed afterwards. */
+ * [scene units]. Poses and rates are composed from the body's at each time. (A spline through the mounted samples would be
+ * another path.) `body` isn't needed afterwards. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_mounted(const tides_trajectory *body, const double position[3],
                                                                         const double quaternion[4],
                                                                         tides_trajectory **trajectory, tides_error *error);
 
-/* A path that is told as it goes, for runs that don't know theirs (tides/live.h). It begins as `count` >= 1 samples;
- * tides_trajectory_append adds to it. Between two samples it is the cubic that has their poses and rates, C1, so that nothing
- * that is appended changes the path before it. Each sample may have rates or not; the rate of one that has none is taken back
- * from the parabola through it and the two before it (of the first two: from the line between them). Otherwise as
- * tides_trajectory_create. It ends at its last sample; a time within a tenth of a
- * nanosecond (or rounding, where that is more) of a sample is that sample, to the bit. */
+/* An open path, for runs that get their poses while they advance (tides/live.h). It begins with `count` >= 1 samples;
+ * tides_trajectory_append adds more. Between two samples it is the C1 cubic with their poses and rates, so that later samples
+ * don't change the path before them. A sample may have rates; else its rate is that of the parabola through it and the two
+ * samples before it (first two: of the line between them). The path ends at its last sample. A time within a tenth of a
+ * nanosecond (or rounding, if that is more) of a sample is that sample, exactly. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_open(const tides_pose_sample *samples, size_t count,
                                                                      tides_trajectory **trajectory, tides_error *error);
 
-/* Adds samples to an open path, all or none of them: later than those that it has, less than 179 degrees from one to the next.
- * TIDES_BAD_ARGUMENT naming the sample, counted from the first that the path still has. Where the path is mounted on a body
- * (tides_trajectory_create_mounted of an open one, which is independent of the body's from then on), the samples are the
- * body's. */
+/* Adds samples to an open path, all or none: later than its last, and less than 179 degrees from one to the next.
+ * TIDES_BAD_ARGUMENT naming the sample, counted from the first that the path still has. A path that is mounted on an open
+ * body takes samples of the body, and is independent of the body's own path from then on. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_append(tides_trajectory *trajectory, const tides_pose_sample *samples,
                                                                 size_t count, tides_error *error);
 
-/* 1 if the path is told as it goes. */
+/* 1 if the path is open: samples can be appended. */
 TIDES_API int32_t tides_trajectory_is_open(const tides_trajectory *trajectory);
 
-/* Lets an open path forget samples that its curve from `time` on doesn't need, when they are half of it or more: nothing it
- * says of later times changes. Other paths keep all of theirs. A simulator that follows it must have reached `time`, and have
- * two steps behind it: the second keeps what it needs of the run's start. */
+/* Lets an open path forget samples that it doesn't need from `time` on, if they are half of it or more. The curve at later
+ * times doesn't change. Other paths keep all samples. A simulator that follows the path must have reached `time` and taken
+ * two steps, because the second one keeps what it needs of the run's start. */
 TIDES_API void tides_trajectory_forget(tides_trajectory *trajectory, double time);
 
 /* NULL is fine. */
@@ -86,7 +84,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_at(const tides_trajecto
                                                             tides_error *error);
 
 /* Acceleration of the body's origin at `time` [scene units/s^2], in world axes: the curve's exact second derivative.
- * TIDES_OUT_OF_RANGE as above; TIDES_UNSUPPORTED at a sample where the curve is C1 only, so that there are two. */
+ * TIDES_OUT_OF_RANGE: outside the path. TIDES_UNSUPPORTED: at a sample where the curve is only C1, so that there are two
+ * accelerations. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, double time,
                                                                       double acceleration[3], tides_error *error);
 

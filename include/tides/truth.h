@@ -1,5 +1,5 @@
-/* Ground truth: what an image shows, where it is and how it moves, exactly and at any time. It is a pass of its own beside the
- * image, with the image's weights; a plane that isn't asked for costs nothing. */
+/* Ground truth: what an image shows, where it is and how it moves, exactly and at any time. It is a separate pass that uses
+ * the image's weights. A plane that isn't wanted costs nothing. */
 #ifndef TIDES_TRUTH_H
 #define TIDES_TRUTH_H
 
@@ -31,23 +31,22 @@ enum {
 /* "flow_u", "flow_v", "depth", "depth_median", "alpha", "instance", "normal_x", ..; NULL out of range. */
 TIDES_API const char *tides_truth_name(int32_t truth);
 
-/* Where planes go: each (height x width), row 0 on top, caller's memory, NULL where not wanted. Where nothing is seen all are
- * 0, but for the instance. */
+/* Planes of ground truth: each (height x width), row 0 on top, caller's memory; NULL: not wanted. Where nothing is seen, all
+ * are 0, except the instance, which is -1. */
 typedef struct tides_truth {
     double *plane[TIDES_TRUTHS]; /* by TIDES_TRUTH_* */
 } tides_truth;
 
-/* Ground truth of the frame at `time` [s] seen from `camera`, as tides_renderer_frame has it; no PSF blurs it. Planes that
- * aren't finite: TIDES_BAD_ARGUMENT naming pixel and splat. */
+/* Ground truth of the frame at `time` [s] seen from `camera`, without blur by a PSF. TIDES_BAD_ARGUMENT naming pixel and
+ * splat: a plane isn't finite. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_truth(tides_renderer *renderer, const tides_trajectory *camera,
                                                              double time, const tides_truth *truth, tides_error *error);
 
 /* -- material points: tracks, and displacement between two times -- */
 
-/* A place in a Gaussian, which it moves and deforms with: xi standard deviations along its own axes (the columns of its factor,
- * kernels/truth.h). */
+/* A place in a Gaussian, which moves and deforms with it: xi standard deviations along the Gaussian's own axes. */
 typedef struct tides_material_point {
-    int32_t object; /* of the scene; -1: no point */
+    int32_t object; /* number of the object in the scene; -1: no point */
     int32_t reserved;
     int64_t gaussian; /* within the object */
     double xi[3];     /* in standard deviations [1] */
@@ -55,35 +54,35 @@ typedef struct tides_material_point {
 
 /* Where a point is at a time. */
 typedef struct tides_track {
-    double u, v;     /* [px], (0.5, 0.5) being the first pixel's centre; NaN behind the near plane, or where there's no point */
-    double depth;    /* camera z [scene units]; NaN where there's no point */
+    double u, v;     /* [px], (0.5, 0.5) is the first pixel's centre; NaN behind the near plane, or without a point */
+    double depth;    /* camera z [scene units]; NaN without a point */
     int32_t visible; /* 1: in the image, and not behind what is seen there (the splat of the median depth) */
     int32_t reserved;
 } tides_track;
 
-/* Points that the places xy (count x 2) [px] show at `time`: of the splat that has the median depth at the pixel; none where
- * nothing takes the transmittance below 1/2. TIDES_BAD_ARGUMENT: a place outside of the image. */
+/* The points seen at the places xy (count x 2) [px] at `time`: each is on the splat of median depth. No point where nothing
+ * takes the transmittance below 1/2. TIDES_BAD_ARGUMENT: a place outside the image. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_pick(tides_renderer *renderer, const tides_trajectory *camera,
                                                             double time, const double *xy, size_t count,
                                                             tides_material_point *points, tides_error *error);
 
-/* Chooses up to `count` places where something is seen at `time`, even over all pixels that show something: xy (count x 2)
- * [px], and the points there. Places are drawn by (seed, number, draw) alone. `chosen` says how many there are: fewer than
- * asked for where less than a 32nd of the image shows something. */
+/* Chooses up to `count` places, evenly over all pixels that show something at `time`: xy (count x 2) [px], and the points
+ * seen there. Places depend on (seed, number, draw) alone. `chosen` is their number: less than `count` if less than a 32nd of
+ * the image shows something. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_choose(tides_renderer *renderer, const tides_trajectory *camera,
                                                               double time, uint64_t seed, uint32_t number, size_t count,
                                                               double *xy, tides_material_point *points, size_t *chosen,
                                                               tides_error *error);
 
-/* Where points are at `time`, in double precision whatever the renderer computes in (but for what motion models make of them).
- * One pass of ground truth, for what hides them. TIDES_BAD_ARGUMENT: a Gaussian that the scene doesn't have. */
+/* The places of points at `time`, in double precision on any device (except motion models). Takes one pass of ground truth,
+ * to find what hides them. TIDES_BAD_ARGUMENT: a Gaussian that the scene doesn't have. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_follow(tides_renderer *renderer, const tides_trajectory *camera,
                                                               double time, const tides_material_point *points, size_t count,
                                                               tides_track *tracks, tides_error *error);
 
-/* Displacement [px] of what each pixel shows at `from` to where it is at `to`, forward or backward in time; NaN where no
- * point is seen. It isn't optical flow, which is a velocity [px/s] at one time. `visible`: 1 where it is seen at `to` as
- * well. Planes (height x width), each nullable. */
+/* The displacement [px] of what each pixel shows at `from` to its place at `to`, forward or backward in time; NaN where no
+ * point is seen. Optical flow, in contrast, is a velocity [px/s] at one time. `visible`: 1 if it is also seen at `to`. Planes
+ * (height x width), each nullable. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_displacement(tides_renderer *renderer, const tides_trajectory *camera,
                                                                     double from, double to, double *u, double *v,
                                                                     double *visible, tides_error *error);
@@ -109,15 +108,15 @@ typedef struct tides_event_truth {
     int32_t instance, reserved; /* the scene's object; -1 where nothing is seen */
 } tides_event_truth;
 
-/* Ground truth of events (count), each at its own time: when it fired [ns] (nullable: its t). Events are best in order; one
- * outside of the image is TIDES_BAD_ARGUMENT. A block of pixels is rendered for each. */
+/* Ground truth of events (count), each when it fired: `fired` [ns] (nullable: the event's t). Fastest with events in order.
+ * TIDES_BAD_ARGUMENT: an event outside the image. A block of pixels is rendered for each event. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_event_truth(tides_renderer *renderer, const tides_trajectory *camera,
                                                                    const tides_event *events, const int64_t *fired,
                                                                    size_t count, tides_event_truth *truth, tides_error *error);
 
-/* Reads the columns of ground truth of events [first, first + count) of an HDF5 recording that was simulated with
- * sensor.truth; 0 events are fine. Depths are in what the column's attribute `unit` says. TIDES_UNSUPPORTED: the file hasn't
- * all columns; TIDES_BAD_FILE: it has fewer rows. On failure `truth` may hold some. */
+/* Reads ground truth of events [first, first + count) from columns of an HDF5 recording that was simulated with sensor.truth;
+ * 0 events are fine. The column's attribute `unit` gives the unit of depths. TIDES_UNSUPPORTED: the file lacks a column;
+ * TIDES_BAD_FILE: it has fewer rows. On failure `truth` may hold some. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_truth(const char *path, uint64_t first, size_t count,
                                                            tides_event_truth *truth, tides_error *error);
 

@@ -38,10 +38,8 @@ enum family {
 /* -- advice: % stands for the path ---------------------------------------------------------------------------------------- */
 
 static const char pipe[] = "ffmpeg -i % -f yuv4mpegpipe - | tides simulate - -o events.h5 makes events of it";
-static const char bag[] =
-    "Python's rosbags package reads its messages; tides.write_events, or lines 't x y p' of text, make an event "
-    "file of them";
-static const char bag_poses[] = "Python's rosbags package reads its messages: write lines 't x y z qx qy qz qw' (TUM)";
+static const char bag[] = "python -m tides.bag % FOLDER makes a folder of its events, frames and poses (pip install "
+                          "tides[rosbags]), which tides info and tides init take";
 static const char named_frames[] = "--set frames.file=% makes events of frames";
 static const char folder[] = "frames are a folder of .png or .exr pictures: name the folder in frames.file; ffmpeg -i % a.png "
                              "converts a picture";
@@ -54,8 +52,8 @@ static const char *const advice[FAMILIES][TD_WANTS] = {
                  [TD_WANTS_SCENE] = "train splats on pictures (Brush, gsplat, nerfstudio)",
                  [TD_WANTS_POSES] = "COLMAP finds the poses of pictures"},
     [FRAMES] = {[TD_WANTS_ANY] = named_frames},
-    [BAG_1] = {[TD_WANTS_ANY] = bag, [TD_WANTS_POSES] = bag_poses},
-    [BAG_2] = {[TD_WANTS_ANY] = bag, [TD_WANTS_POSES] = bag_poses},
+    [BAG_1] = {[TD_WANTS_ANY] = bag},
+    [BAG_2] = {[TD_WANTS_ANY] = bag},
     [ARCHIVE] = {[TD_WANTS_ANY] = "unpack it, and name the file or folder within"},
     [COMPRESSED] = {[TD_WANTS_ANY] = "unpack it (gunzip, zstd -d, xz -d), and name what comes out"},
     [USD] = {[TD_WANTS_ANY] = "python -m tides.usd % scene.h5 converts its Gaussians (pip install tides[usd])"},

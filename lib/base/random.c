@@ -113,12 +113,49 @@ void td_random_normals(const td_random_bits *bits, double normal[2]) {
     normals(td_random_uniform(bits, 0), td_random_uniform(bits, 1), &normal[0], &normal[1]);
 }
 
-TD_WIDE static void normals_lanes(const td_random_lanes *restrict bits, double *restrict first, double *restrict second) {
-    for (int i = 0; i < TD_RANDOM_LANES; i++)
-        normals(uniform(bits->word[0][i], bits->word[1][i]), uniform(bits->word[2][i], bits->word[3][i]), &first[i],
-                &second[i]);
+/* -- normals in single precision ------------------------------------------------------------------------------------------- */
+
+/* -log u of u = (word / 2 + 1/2) / 2^31, which is in (0, 1]. The logarithm is td_logarithm's series; its first term that
+ * is left out is below 2^-28 of it. */
+static inline float short_exponential(uint32_t word) {
+    const float u = ((float)(int32_t)(word >> 1) + 0.5f) * 0x1p-31f;
+    const uint32_t root = 0x3f3504f3, one = 0x3f800000, whole = ((uint32_t)1 << 23) - 1;
+    uint32_t bits;
+    float m;
+    memcpy(&bits, &u, sizeof bits);
+    const uint32_t shifted = bits + (one - root), mantissa = (shifted & whole) + root;
+    const float e = (float)((int32_t)(shifted >> 23) - 127);
+    memcpy(&m, &mantissa, sizeof m);
+    const float s = (m - 1) / (m + 1), z = s * s;
+    const float sum = ((1.0f / 9 * z + 1.0f / 7) * z + 1.0f / 5) * z + 1.0f / 3;
+    return -(e * 0.69314718f + 2 * (s + s * (z * sum)));
 }
 
-void td_random_normals_many(const td_random_lanes *bits, double *restrict first, double *restrict second) {
-    normals_lanes(bits, first, second);
+/* sin(2 pi v) for |v| <= 1/4, by Taylor's series. The first term that is left out is below 2^-24. */
+static inline float short_sine_of(float v) {
+    const float x = 6.2831853f * v, z = x * x;
+    const float sum = ((((-1.0f / 39916800) * z + 1.0f / 362880) * z - 1.0f / 5040) * z + 1.0f / 120) * z - 1.0f / 6;
+    return x + x * (z * sum);
 }
+
+/* `normals`, with `turn` a word's signed share of a whole turn. */
+static inline void short_normals(uint32_t word, uint32_t turn, float *cosine, float *sine) {
+    const float radius = sqrtf(2 * short_exponential(word)), v = (float)(int32_t)turn * 0x1p-32f, beyond = fabsf(v) - 0.25f;
+    *cosine = radius * short_sine_of(beyond);
+    *sine = -copysignf(radius * short_sine_of(0.25f - fabsf(beyond)), v);
+}
+
+void td_random_short_normals(const td_random_bits *bits, int half, float normal[2]) {
+    short_normals(bits->word[2 * half], bits->word[2 * half + 1], &normal[0], &normal[1]);
+}
+
+double td_random_short_exponential(const td_random_bits *bits, int half) {
+    return (double)short_exponential(bits->word[2 * half]);
+}
+
+TD_WIDE static void short_lanes(const td_random_lanes *restrict bits, float (*restrict normal)[TD_RANDOM_LANES]) {
+    for (int i = 0; i < TD_RANDOM_LANES; i++) short_normals(bits->word[0][i], bits->word[1][i], &normal[0][i], &normal[1][i]);
+    for (int i = 0; i < TD_RANDOM_LANES; i++) short_normals(bits->word[2][i], bits->word[3][i], &normal[2][i], &normal[3][i]);
+}
+
+void td_random_short_normals_many(const td_random_lanes *bits, float normal[4][TD_RANDOM_LANES]) { short_lanes(bits, normal); }

@@ -62,6 +62,11 @@ double td_random_uniform(const td_random_bits *bits, int half);
 /* Two independent standard normals (Box and Muller). */
 void td_random_normals(const td_random_bits *bits, double normal[2]);
 
+/* Likewise in single precision, of 32 bits each, from words 0 and 1, or 2 and 3: two normals, within 6.7; and an exponential,
+ * at most 22.2. Uniform numbers near 1 are rounded to 24 bits; of these, both are off by 1e-6 at most. */
+void td_random_short_normals(const td_random_bits *bits, int half, float normal[2]);
+double td_random_short_exponential(const td_random_bits *bits, int half);
+
 /* Several numbers at once, bit for bit those of td_random, in a fraction of the time. Lane i is of pixel[i] and index[i]. */
 enum { TD_RANDOM_LANES = 16 };
 typedef struct td_random_lanes {
@@ -69,7 +74,7 @@ typedef struct td_random_lanes {
 } td_random_lanes;
 void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index, uint32_t purpose, td_random_lanes *bits);
 void td_random_uniforms_many(const td_random_lanes *bits, double *value); /* from words 0 and 1 */
-void td_random_normals_many(const td_random_lanes *bits, double *first, double *second);
+void td_random_short_normals_many(const td_random_lanes *bits, float normal[4][TD_RANDOM_LANES]);
 
 /* Exponential of mean 1. */
 double td_random_exponential(const td_random_bits *bits, int half);

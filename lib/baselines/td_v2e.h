@@ -20,7 +20,10 @@ typedef struct td_v2e_state {
     double noise_level;   /* of white noise before its low-pass [log units] */
 } td_v2e_state;
 
-/* Advances the surround, a diffusing sheet of horizontal cells, from the last frame to this one. */
+/* The value of a frame that v2e reads [DN]. */
+static inline double td_v2e_dn(const tides_v2e *p, double Y) { return 255.0 * Y + p->added_dn; }
+
+/* v2e_surround.c: the diffuser of horizontal cells, from the last frame to this one. */
 void td_v2e_surround(const tides_baseline *baseline);
 
 /* Computes an interval's low-passed photoreceptor noise, in state->noise; makes shot noise events at `stop`, after which a

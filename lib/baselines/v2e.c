@@ -53,7 +53,8 @@ static tides_status check(const tides_baseline *b, tides_error *error) {
                 {"shot_noise_rate_hz", p->shot_noise_rate_hz, 0, 1e6},
                 {"refractory_period", p->refractory_period, 0, 1e3},
                 {"cs_lambda_pixels", p->cs_lambda_pixels, 0, 1e3},
-                {"cs_tau_p_ms", p->cs_tau_p_ms, 0, 1e6}};
+                {"cs_tau_p_ms", p->cs_tau_p_ms, 0, 1e6},
+                {"added_dn", p->added_dn, 0, 255}};
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < sizeof rows / sizeof rows[0]; i++)
         status = td_baseline_range(b, rows[i].name, rows[i].value, rows[i].lower, rows[i].upper, error);
@@ -125,7 +126,7 @@ static double rounded(const tides_v2e *p, double value) { return p->cutoff_hz > 
 
 static float signal(const tides_v2e *p, double Y) {
     if (p->hdr) return (float)Y;
-    double DN = 255.0 * Y;
+    double DN = td_v2e_dn(p, Y);
     double L = DN <= LINEAR_DN ? DN * (td_ln(LINEAR_DN) / LINEAR_DN) : td_ln(DN);
     return (float)(round(L * 1e8) / 1e8);
 }
@@ -150,7 +151,7 @@ static void photoreceptor(tides_baseline *b, const double *Y) {
     double steps = (b->now - b->before) * two_pi * p->cutoff_hz;
     for (size_t i = 0; i < b->pixels; i++) {
         float L = signal(p, Y[i]);
-        double part = p->cutoff_hz > 0 ? fmin(1.0, (255.0 * Y[i] + 20.0) / 275.0 * steps) : 1.0;
+        double part = p->cutoff_hz > 0 ? fmin(1.0, (td_v2e_dn(p, Y[i]) + 20.0) / 275.0 * steps) : 1.0;
         s->level[i] = p->cutoff_hz > 0 ? (1.0 - part) * s->level[i] + part * L : L;
     }
 }

@@ -57,7 +57,7 @@ tides_status td_v2e_shot_noise(tides_baseline *b, const double *Y, tides_error *
     int64_t stop = td_baseline_ns(b->now);
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < b->pixels; i++) {
-        double intensity = p->hdr ? 1.0 : fmin(1.0, (255.0 * Y[i] + 20.0) / 275.0);
+        double intensity = p->hdr ? 1.0 : fmin(1.0, (td_v2e_dn(p, Y[i]) + 20.0) / 275.0);
         double chance = 0.5 * p->shot_noise_rate_hz * (b->now - b->before) * (1.0 - SHOT_FALL * intensity);
         td_random_bits bits = td_random(b->params.seed, (uint32_t)i, b->frames, TD_RANDOM_V2E_SHOT);
         double u = td_random_uniform(&bits, 0);

@@ -7,6 +7,8 @@
 #include <string.h>
 
 enum { HALVES = 12 };
+/* Relative variance of thresholds from pixel to pixel where it isn't known: spreads of 0 to 15 % have this in the mean. */
+#define SPREAD_VARIANCE 0.0075
 
 /* The values of a fit, in the order of TIDES_CALIBRATED_*. Values that other parts measure aren't set. */
 static void values_of(const td_fit *fit, double value[TIDES_CALIBRATED_VALUES]) {
@@ -50,6 +52,17 @@ static void halves(td_calibration *c, const td_fit *whole, tides_calibration *fo
     }
 }
 
+/* Pixels with low thresholds fire more often, so that a median over events is low by the relative variance of thresholds. The
+ * unknown part of that variance is an error of the thresholds. */
+static double spread_doubt(const td_calibration *c, const tides_calibration *found) {
+    const tides_calibrated *sigma = &found->values[TIDES_CALIBRATED_SIGMA];
+    const double mean = 0.5 * (c->raw.on + c->raw.off);
+    if (sigma->state == TIDES_CALIBRATED_GIVEN) return 0;
+    if (!(sigma->value == sigma->value) || !(mean > 0)) return SPREAD_VARIANCE;
+    const double known = 2 * sigma->value * sigma->error, bound = sigma->value * sigma->value;
+    return (sigma->state == TIDES_CALIBRATED_MEASURED ? known : fmin(bound, SPREAD_VARIANCE * mean * mean)) / (mean * mean);
+}
+
 static tides_status scatter(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
     double centre[TIDES_CALIBRATED_VALUES], sum[TIDES_CALIBRATED_VALUES] = {0}, cross = 0;
     values_of(whole, centre);
@@ -64,6 +77,10 @@ static tides_status scatter(td_calibration *c, const td_fit *whole, tides_calibr
     }
     for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++)
         if (sum[i] == sum[i]) found->values[i].error = sqrt(sum[i] / HALVES);
+    for (int32_t i = TIDES_CALIBRATED_ON; i <= TIDES_CALIBRATED_OFF; i++) {
+        const double spread = centre[i] * spread_doubt(c, found), drawn = found->values[i].error;
+        found->values[i].error = sqrt(drawn * drawn + spread * spread);
+    }
     const double both = sqrt(sum[TIDES_CALIBRATED_ON] * sum[TIDES_CALIBRATED_EPS]);
     found->correlation = both > 0 ? cross / both : 0;
     return TIDES_OK;

@@ -93,6 +93,7 @@ static void ideal_iebcs(settings *s, const pixel *p) {
 #define GREY 0.18
 /* Factor of v2e's cutoff at light Y: (DN + 20) / 275. */
 #define V2E_LIGHT(Y) ((255 * (Y) + 20) / 275)
+#define V2E_ADDED 255.0 /* DN at most */
 
 static void given_or(settings *s, const pixel *p, const char *key, double value) {
     if (!tides_run_gives(p->run, key)) set(s, key, value);
@@ -113,13 +114,14 @@ static void sensor_esim(settings *s, const pixel *p) {
     given_or(s, p, "esim.log_eps", p->log_eps);
 }
 
-/* Settings for v2e. It has no black level, so the same change of light is a larger change of its logarithm. */
+/* The black level is added to the frames, as v2e has none; it counts in the pole, too. */
 static void sensor_v2e(settings *s, const pixel *p) {
-    const double steeper = (GREY + p->log_eps) / GREY;
-    given_or(s, p, "v2e.pos_thres", steeper * p->on);
-    given_or(s, p, "v2e.neg_thres", steeper * p->off);
-    given_or(s, p, "v2e.sigma_thres", steeper * p->sensor->threshold_sigma);
-    given_or(s, p, "v2e.cutoff_hz", cutoff_at(p->sensor, GREY) / V2E_LIGHT(GREY));
+    const double added = fmin(255 * p->log_eps, V2E_ADDED);
+    given_or(s, p, "v2e.added_dn", added);
+    given_or(s, p, "v2e.pos_thres", p->on);
+    given_or(s, p, "v2e.neg_thres", p->off);
+    given_or(s, p, "v2e.sigma_thres", p->sensor->threshold_sigma);
+    given_or(s, p, "v2e.cutoff_hz", cutoff_at(p->sensor, GREY) / V2E_LIGHT(GREY + added / 255));
     given_or(s, p, "v2e.refractory_period", p->sensor->refractory_s);
     given_or(s, p, "v2e.leak_rate_hz", p->sensor->leak_rate_hz);
     given_or(s, p, "v2e.shot_noise_rate_hz", p->sensor->shot_noise_hz);

@@ -1,8 +1,8 @@
-/* The readout arbiter: arrivals to queues, a scanner over ticks, and departures in order.
+/* The readout arbiter: puts events that arrive into queues, serves the queues tick by tick, and passes events on in order.
  *
  * Tick k covers [k tick, (k + 1) tick). An event that arrives within a tick may leave within it. Ticks in which nothing waits
- * are skipped, whatever their number. Everything is decided by the events' own times, so it doesn't matter how they are
- * pushed. */
+ * are skipped, whatever their number. All decisions depend only on the times of events, so results don't depend on how a
+ * stream is cut into calls. */
 #include "td_arbiter.h"
 #include "td_base.h"
 #include "td_struct.h"
@@ -21,7 +21,7 @@ void tides_readout_defaults(tides_readout *readout) {
     readout->beta_k = 0.5;
     readout->eta = 0.2;
     readout->gamma_sigma_s = 1e-5;
-    readout->frame_s = 2e-4; /* DVXplorer's shortest */
+    readout->frame_s = 2e-4; /* the shortest of a DVXplorer */
 }
 
 /* -- creation ------------------------------------------------------------------------------------------------------------ */
@@ -77,7 +77,7 @@ static int32_t queue_count(const tides_arbiter *a) {
 static void set_release(tides_arbiter *a, int32_t tile) {
     double share = 1 - a->readout.beta_k * a->psi[tile];
     int32_t k = (int32_t)floor((double)a->readout.k0 * share);
-    a->release[tile] = k > 1 ? k : 1; /* a tile that could never be emptied would hold its events for ever */
+    a->release[tile] = k > 1 ? k : 1; /* with 0, a tile would hold its events for ever */
 }
 
 static tides_status allocate(tides_arbiter *a, tides_error *error) {
@@ -120,7 +120,7 @@ tides_status tides_arbiter_create(const tides_readout *given, int32_t width, int
     a->row_ns = (int64_t)llround(readout->row_s * 1e9);
     a->event_ps = (int64_t)llround(readout->event_s * 1e12);
     a->frame_ns = (int64_t)llround(readout->frame_s * 1e9);
-    if (!td_arbiter_has_ticks(a)) a->readout.eta = a->readout.gamma_sigma_s = 0; /* they know nothing of activity */
+    if (!td_arbiter_has_ticks(a)) a->readout.eta = a->readout.gamma_sigma_s = 0; /* without ticks, activity isn't known */
     readout = &a->readout;
     a->start_ns = a->last_t = INT64_MIN;
     a->tick = a->tick_end = INT64_MIN;
@@ -180,7 +180,7 @@ static int32_t queue_of(const tides_arbiter *a, const tides_event *event, int32_
     return a->readout.kind == TIDES_READOUT_BOTTLENECK ? 0 : tile;
 }
 
-/* Leaves as soon as it comes: an infinite rate. */
+/* An infinite rate: an event leaves at the time at which it fired. */
 static tides_status pass(tides_arbiter *a, const tides_event *event, tides_error *error) {
     tides_event left = *event;
     if (a->jitters) td_arbiter_jitter(a, &left, event->t);
@@ -205,8 +205,9 @@ static tides_status arrive(tides_arbiter *a, const tides_event *event, tides_err
 
 /* -- ticks --------------------------------------------------------------------------------------------------------------- */
 
-/* `count` events of one queue, which have just been put behind what is released, leave in a tick from `start` on: events that
- * waited for it at its start, all of a row at its end. Events of a tick are after all of the ticks before. */
+/* The last `count` events of a->out, which come from one queue, leave in the tick that begins at `start`. Events that waited
+ * at its start get the time `start`; with rows, all get the tick's end. Later events keep their times, so ticks stay in
+ * order. */
 static void leave(tides_arbiter *a, int32_t count, int64_t start) {
     tides_event *events = a->out.events + a->out.count;
     int64_t *fired = a->out.fired + a->out.count, last = events[0].t;
@@ -233,7 +234,7 @@ static void leave(tides_arbiter *a, int32_t count, int64_t start) {
     a->out.count += (size_t)count;
 }
 
-/* One tick of the scanner, over what has arrived: everything of a row, or K_m events of the next queue that has some. */
+/* One tick of the scanner: takes all events of a row, or up to K_m of the next queue that isn't empty. */
 static tides_status serve(tides_arbiter *a, tides_error *error) {
     int rows = a->readout.kind == TIDES_READOUT_ROWS;
     int32_t queue =
@@ -258,18 +259,18 @@ static int64_t tick_of(const tides_arbiter *a, int64_t t) {
     return t >= 0 ? t / a->tick_ns : -((-t + a->tick_ns - 1) / a->tick_ns);
 }
 
-/* Serves every tick before the one that holds `t`. */
+/* Serves all ticks before the one that holds `t`. */
 static tides_status serve_until(tides_arbiter *a, int64_t t, tides_error *error) {
     if (t < a->tick_end) return TIDES_OK;
     int64_t now = tick_of(a, t);
     tides_status status = TIDES_OK;
     while (a->queues.waiting > 0 && a->tick < now && status == TIDES_OK) status = serve(a, error);
-    if (a->tick < now) a->tick = now; /* idle ticks */
+    if (a->tick < now) a->tick = now; /* no queue held an event */
     a->tick_end = (now + 1) * a->tick_ns;
     return status;
 }
 
-/* Nothing that is still to come leaves before this. */
+/* Events that have yet to leave won't get an earlier time than this [ns]. */
 static int64_t certain_until(const tides_arbiter *a) {
     double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s;
     int64_t start = a->tick_ns ? a->tick * a->tick_ns : a->last_t;
@@ -291,8 +292,8 @@ static tides_status check_order(tides_arbiter *a, const tides_event *events, siz
     return TIDES_OK;
 }
 
-/* Where nothing waits, how many of the next events are all of this tick's and leave in it as they come: no more than it takes
- * and their queue holds, all of one. 0: they must queue, as must those whose tick may not be over. */
+/* If nothing waits: the number of next events that fire in this tick and can all leave in it, from one queue. Else, and if
+ * the tick may not be over, 0: then they must queue. */
 static size_t find_prompt(const tides_arbiter *a, const tides_event *events, size_t count) {
     if (a->queues.waiting > 0 || a->drops || a->readout.kind == TIDES_READOUT_ROWS) return 0;
     if (events[0].t < a->tick * a->tick_ns) return 0;
@@ -306,7 +307,7 @@ static size_t find_prompt(const tides_arbiter *a, const tides_event *events, siz
     return 0;
 }
 
-/* Serves their tick. */
+/* Serves the tick of these events, without the queues. */
 static tides_status leave_promptly(tides_arbiter *a, const tides_event *events, size_t count, tides_error *error) {
     tides_status status = td_release_reserve(&a->out, count, error);
     if (status != TIDES_OK) return status;

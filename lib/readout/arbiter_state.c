@@ -1,4 +1,5 @@
-/* An arbiter's state as numbers: a header, then four per event that waits and per event that is held. */
+/* An arbiter's state as an array of numbers: a header, then four per event, waiting in a queue or held until its order is
+ * certain. */
 #include "td_arbiter.h"
 #include "td_base.h"
 
@@ -15,7 +16,7 @@ static int64_t pack_place(const tides_event *event) {
     return (int64_t)(place | (uint64_t)event->cause << 40 | (uint64_t)event->frontend << 48);
 }
 
-/* 0 where the number is no place on the sensor. */
+/* Returns 0 if the number isn't a place on the sensor. */
 static int unpack_event(const tides_arbiter *a, const int64_t *row, tides_event *event) {
     uint64_t place = (uint64_t)row[PLACE];
     *event = (tides_event){.t = row[TIME], .x = (uint16_t)place, .y = (uint16_t)(place >> 16)};
@@ -36,7 +37,7 @@ static void pack_queue(const tides_arbiter *a, int32_t queue, tides_event *event
     }
 }
 
-/* -- the whole ----------------------------------------------------------------------------------------------------------- */
+/* -- the whole state ---------------------------------------------------------------------------------------------------- */
 
 tides_status td_arbiter_pack(const tides_arbiter *a, int64_t **numbers, size_t *count, tides_error *error) {
     size_t rows = (size_t)a->queues.waiting + a->out.count;

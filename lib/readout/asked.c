@@ -1,5 +1,5 @@
-/* Readouts without ticks: rows that ask for the bus, and a sensor that is read as frames. Time is that of events alone: what is
- * over before an event arrives is read then, so it doesn't matter how a stream is pushed. */
+/* Readouts without ticks: rows that request the bus, and sensors that are read as frames. Before each event, everything that
+ * ends earlier is read; so results don't depend on how a stream is cut into calls. */
 #include "td_arbiter.h"
 #include "td_base.h"
 
@@ -8,7 +8,8 @@
 /* Time of `count` events on the bus [ns], rounded up. */
 static int64_t bus_time(const tides_arbiter *a, int64_t count) { return (count * a->event_ps + 999) / 1000; }
 
-/* Reads the first `count` events of a queue, the first of them at `first`, each `apart` [ps] after the one before. */
+/* Reads the first `count` events of a queue: event k at first + (k + 1) `apart` [ps], or all at `first` [ns] if `apart` is
+ * 0. */
 static tides_status leave(tides_arbiter *a, int32_t queue, int32_t count, int64_t first, int64_t apart, tides_error *error) {
     tides_status status = td_release_reserve(&a->out, (size_t)count, error);
     if (status != TIDES_OK) return status;
@@ -33,7 +34,7 @@ static tides_status leave(tides_arbiter *a, int32_t queue, int32_t count, int64_
 
 /* -- rows that ask ------------------------------------------------------------------------------------------------------- */
 
-/* All that waits has fired by the time at which the bus is given: what fires later arrives later. */
+/* Gives the bus to the next row. All waiting events fired before that time, because later ones arrive later. */
 static void grant(tides_arbiter *a) {
     a->next_queue = td_queues_next(&a->queues, a->next_queue) + 1;
     a->tick_end = a->tick + a->row_ns;
@@ -57,7 +58,7 @@ static tides_status read_frame(tides_arbiter *a, tides_error *error) {
     return leave(a, 0, count, begins, 0, error);
 }
 
-/* The first frame that isn't before `t`. */
+/* Goes to the first frame at or after `t`. */
 static void skip_frames(tides_arbiter *a, int64_t t) {
     if (a->tick == INT64_MIN) a->tick = t / a->frame_ns * a->frame_ns - (t < 0 ? a->frame_ns : 0);
     if (a->tick < t) a->tick += (t - a->tick + a->frame_ns - 1) / a->frame_ns * a->frame_ns;

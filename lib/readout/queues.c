@@ -1,4 +1,4 @@
-/* FIFO queues as lists of blocks in one pool, and which of them hold something. */
+/* FIFO queues as lists of blocks in one pool, with a bit per queue that says whether it is empty. */
 #include "td_queues.h"
 #include "td_base.h"
 
@@ -70,7 +70,7 @@ void td_queues_take(td_queues *queues, int32_t index, int32_t count, tides_event
     while (count > 0) {
         const int32_t block = queue->first, left = TD_BLOCK_EVENTS - queue->head, here = count < left ? count : left;
         const tides_event *from = queues->pool[block].events + queue->head;
-        for (int32_t k = 0; k < TD_BLOCK_EVENTS; k++) /* a call of memcpy would take longer */
+        for (int32_t k = 0; k < TD_BLOCK_EVENTS; k++) /* faster than memcpy for so few */
             if (k < here) events[k] = from[k];
         events += here;
         count -= here;
@@ -110,7 +110,7 @@ int32_t td_queues_next(const td_queues *queues, int32_t from) {
     int32_t words = (queues->count + 63) / 64;
     if (queues->waiting == 0) return -1;
     if (from >= queues->count) from = 0;
-    /* The first word twice: from `from` on, and at the end what lies before it. */
+    /* The first word is visited twice: first its bits from `from` on, last those before. */
     for (int32_t k = 0; k <= words; k++) {
         int32_t word = (from / 64 + k) % words;
         uint64_t bits = queues->some[word];

@@ -1,4 +1,4 @@
-/* Internal: an arbiter's state, and the same as numbers for checkpoints. */
+/* Internal: the state of a readout arbiter, and the state as numbers for checkpoints. */
 #ifndef TD_ARBITER_H
 #define TD_ARBITER_H
 
@@ -12,18 +12,19 @@ struct tides_arbiter {
     uint64_t seed;
     int64_t tick_ns; /* 0: infinite rate */
     int64_t row_ns, event_ps, frame_ns;
-    int64_t start_ns;                /* nothing leaves before */
-    int drops, jitters;              /* are there any? */
-    double wide;                     /* jitter over its standard deviation is a normal number times this */
-    int32_t *tile_row, *tile_column; /* (height), (width): first tile of the row's tiles, tile within it */
+    int64_t start_ns;                /* no event leaves before this [ns] */
+    int drops, jitters;              /* whether any event may be dropped, or jittered */
+    double wide;                     /* jitter = standard deviation x normal number x this */
+    int32_t *tile_row, *tile_column; /* (height), (width): the first tile of the row of tiles; the column of tiles */
     double *psi;                     /* (tiles) */
-    int32_t *release;                /* (tiles) K_m */
+    int32_t *release;                /* (tiles) K_m: events per tick */
     td_queues queues;
-    uint64_t *held;     /* SCANNED: a bit per pixel, it holds an event */
-    int32_t next_queue; /* where the scanner goes on */
-    int64_t tick;       /* the first that hasn't been served; without ticks [ns] when the bus is free, or the frame begins */
-    int64_t tick_end;   /* of the tick of the last arrival; REQUESTED: latch of the row before next_queue, TD_NO_LATCH: none */
-    int64_t last_t;     /* of what was pushed */
+    uint64_t *held;     /* SCANNED: a bit per pixel: it holds an event */
+    int32_t next_queue; /* the queue from which the scanner searches */
+    /* the first tick that hasn't been served. Without ticks: when the bus becomes free, or the frame begins [ns] */
+    int64_t tick;
+    int64_t tick_end; /* end of the last arrival's tick [ns]; REQUESTED: when row next_queue - 1 is latched, or TD_NO_LATCH */
+    int64_t last_t;   /* time of the last event that was pushed [ns] */
     td_release out;
     tides_readout_stats stats;
 };
@@ -32,13 +33,13 @@ struct tides_arbiter {
 
 static inline int td_arbiter_has_ticks(const tides_arbiter *arbiter) { return arbiter->readout.kind < TIDES_READOUT_REQUESTED; }
 
-/* Without ticks (asked.c). Reads all rows and frames that are over before `t`; an event into its queue, `*full` 1 where it
- * finds no room; and the time before which nothing leaves that hasn't left yet. */
+/* Readouts without ticks (REQUESTED, SCANNED). _until reads all rows and frames that are over before `t`. _append puts an
+ * event into its queue and sets `*full` if there is no room. _certain: no event that waits leaves before this time [ns]. */
 tides_status td_asked_until(tides_arbiter *arbiter, int64_t t, tides_error *error);
 tides_status td_asked_append(tides_arbiter *arbiter, const tides_event *event, int *full, tides_error *error);
 int64_t td_asked_certain(const tides_arbiter *arbiter);
 
-/* 1 where the pixel holds an event already; it does from now on. SCANNED. */
+/* SCANNED: marks the pixel as holding an event; returns 1 if it held one already. */
 static inline int td_arbiter_hold(tides_arbiter *arbiter, const tides_event *event) {
     const size_t pixel = (size_t)event->y * (size_t)arbiter->width + event->x;
     const uint64_t bit = (uint64_t)1 << pixel % 64;
@@ -47,7 +48,7 @@ static inline int td_arbiter_hold(tides_arbiter *arbiter, const tides_event *eve
     return held;
 }
 
-/* chance.c: 1 where the event is dropped on its arrival in `tile`; the time at which it leaves, with its jitter. */
+/* Returns 1 if the event is dropped on its arrival in `tile`. _jitter adds jitter to the time at which the event leaves. */
 int td_arbiter_drops(const tides_arbiter *arbiter, const tides_event *event, int32_t tile);
 void td_arbiter_jitter(const tides_arbiter *arbiter, tides_event *event, int64_t fired);
 
@@ -55,11 +56,11 @@ static inline int32_t td_arbiter_tile(const tides_arbiter *arbiter, const tides_
     return arbiter->tile_row[event->y] + arbiter->tile_column[event->x];
 }
 
-/* All that changes in an arbiter but for the tiles' activity, as `count` numbers that the caller frees. */
+/* The changing state, but for the tiles' activity, as `count` numbers that the caller frees. */
 TIDES_MUST_CHECK tides_status td_arbiter_pack(const tides_arbiter *arbiter, int64_t **numbers, size_t *count,
                                               tides_error *error);
 
-/* Into a new arbiter of the same parameters. TIDES_BAD_FILE where the numbers make no state; it is of no use then. */
+/* Restores the state of a new arbiter with the same parameters. After TIDES_BAD_FILE the arbiter can't be used. */
 TIDES_MUST_CHECK tides_status td_arbiter_unpack(tides_arbiter *arbiter, const int64_t *numbers, size_t count,
                                                 tides_error *error);
 

@@ -1,10 +1,10 @@
-/* Internal: what has left the queues, held until its order is certain. */
+/* Internal: events that have left the queues, held until their order is certain. */
 #ifndef TD_RELEASE_H
 #define TD_RELEASE_H
 
 #include "tides/readout.h"
 
-/* No normal that td_random_normals makes is larger: sqrt(2 ln 2^53). */
+/* Bound of the normal numbers that td_random_normals makes: sqrt(2 ln 2^53). */
 #define TD_NORMAL_MAX 8.6
 
 typedef struct td_release {
@@ -15,7 +15,7 @@ typedef struct td_release {
 
 void td_release_free(td_release *release);
 
-/* Room for `more` events behind the `count` that there are. */
+/* Makes room for `more` events after the `count` that are held. */
 TIDES_MUST_CHECK tides_status td_release_grow(td_release *release, size_t more, tides_error *error);
 static inline tides_status td_release_reserve(td_release *release, size_t more, tides_error *error) {
     const size_t wanted = release->count + more;
@@ -31,12 +31,12 @@ static inline tides_status td_release_add(td_release *release, const tides_event
     return TIDES_OK;
 }
 
-/* Puts `count` events in order that leave at the same time, a tick's; where they are many, td_release_emit does. */
+/* Sorts `count` events that leave at the same time. Does nothing if they are many: td_release_emit then sorts them. */
 void td_release_order(tides_event *events, int64_t *fired, int32_t count);
 
 size_t td_release_held(const td_release *release);
 
-/* Gives `sink` (nullable), sorted, all that left before `certain`. */
+/* Passes all events that left before `certain` [ns] to `sink` (nullable), sorted. */
 tides_status td_release_emit(td_release *release, int64_t certain, tides_readout_sink sink, void *user, tides_error *error);
 
 #endif

@@ -12,12 +12,12 @@
 #include <stdlib.h>
 
 enum {
-    WHOLE_LEVEL = 3,     /* the interval stays whole where that is enough for half of all */
-    MOST_LEVEL = 5,      /* 32 curves a piece: the error falls by 16^5 */
-    MOST_ROWS = 1 << 21, /* where there are several pieces: 256 MB */
-    MOST_SPLIT = 3,      /* slices of a whole interval, as a power of two, */
-    MOST_SLICES = 8,     /* and of one in pieces */
-    FEW_BENT = 64,       /* so many that move, of which one may be off by more than it should */
+    WHOLE_LEVEL = 3,     /* the interval stays one piece if this level is enough for half of all Gaussians */
+    MOST_LEVEL = 5,      /* 32 curves per piece: the error falls by 16^5 */
+    MOST_ROWS = 1 << 21, /* limit for several pieces: 256 MB */
+    MOST_SPLIT = 3,      /* log2 of the slices of an interval of one piece */
+    MOST_SLICES = 8,     /* slices of an interval of several pieces */
+    FEW_BENT = 64,       /* one in so many moving Gaussians may have too large an error */
     GROUP = 1 << 15,     /* Gaussians that are made together: so many are made at once, whoever asks */
     SOME = 1 << 12       /* of more, so many tell what pieces all have */
 };

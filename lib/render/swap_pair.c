@@ -1,9 +1,11 @@
-/* Swaps of depth of two splats: when they happen, how long they take, and how much light they move in each block of a tile. */
+/* Swaps of depth of two splats (td_swaps.h): when, how long they take, and what they are worth to the blocks of a tile. */
+#include "camera/td_rotation.h"
 #include "td_extremes.h"
 #include "td_math.h"
 #include "td_swaps.h"
 
 #include <math.h>
+#include <string.h>
 
 /* -- a pair in a block --------------------------------------------------------------------------------------------- */
 
@@ -25,13 +27,23 @@ static void view_at(const td_swap_samples *at, int object, int k, double s, doub
     for (int i = 0; i < 3; i++) t[i] = from->t[i] + way * (to->t[i] - from->t[i]) + start * from->t_dot[i] + end * to->t_dot[i];
 }
 
-/* The form of a splat at that time, by EWA; 0 if it is behind the camera. */
+/* The middle of a splat there, in its object's units. */
+static void mean_at(const td_swap_samples *at, const td_swap_splat *of, int k, double s, double mean[3]) {
+    memcpy(mean, of->geometry + TD_G_MEAN, 3 * sizeof *mean);
+    if (!of->move) return;
+    const td_swap_move *from = &of->move[k], *to = from + 1;
+    const double rest = 1 - s, way = s * s * (3 - 2 * s), start = at->h * s * rest * rest, end = -at->h * s * s * rest;
+    for (int i = 0; i < 3; i++)
+        mean[i] = from->mean[i] + way * (to->mean[i] - from->mean[i]) + start * from->rate[i] + end * to->rate[i];
+}
+
+/* A splat there; 0 where it is behind the camera (EWA, kernels/projection.h). */
 static int find_form(const td_image *image, const td_swap_samples *at, const td_swap_splat *of, int k, double s, form *f) {
     const double *g = of->geometry, *m = g + TD_G_FACTOR;
-    double r[9], t[3], p[3], row[2][3];
+    double r[9], t[3], p[3], mean[3], row[2][3];
     view_at(at, of->object, k, s, r, t);
-    for (int i = 0; i < 3; i++)
-        p[i] = r[3 * i] * g[TD_G_MEAN] + r[3 * i + 1] * g[TD_G_MEAN + 1] + r[3 * i + 2] * g[TD_G_MEAN + 2] + t[i];
+    mean_at(at, of, k, s, mean);
+    for (int i = 0; i < 3; i++) p[i] = td_dot3(r + 3 * i, mean) + t[i];
     if (!(p[2] > image->near)) return 0;
     const double x = td_lesser(td_greater(p[0] / p[2], image->limit_x0), image->limit_x1);
     const double y = td_lesser(td_greater(p[1] / p[2], image->limit_y0), image->limit_y1);
@@ -180,6 +192,10 @@ static void note_part(const pair *of, double near, int k) {
     if (td_lesser(td_lesser(c[0], c[1]), td_lesser(c[2], c[3])) > within ||
         td_greater(td_greater(c[0], c[1]), td_greater(c[2], c[3])) < -within)
         return;
+    /* Depths that pass so slowly are seen by samples (note_time). No bend is more than 4 times the steepest slope. */
+    const double slow = of->slow * of->tile->at->parts;
+    const double steepest = 3 * td_greater(td_greater(fabs(c[1] - c[0]), fabs(c[2] - c[1])), fabs(c[3] - c[2]));
+    if (within >= slow * steepest && within >= 2 * slow * slow * steepest) return;
     const int turns = turns_of(c, end + 1);
     end[turns + 1] = 1;
     for (int i = 0; i <= turns; i++) {

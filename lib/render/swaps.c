@@ -1,11 +1,11 @@
 /* Swaps of depth: finds which splats of a tile come within reach of each other's depth in the interval swept last, and when.
  * It works on the host, in double, from views at a few samples and the cubics between them.
  *
- * In most scenes no swap is short enough to be missed by samples. Two splats of one rigid body swap slowly if the body turns
- * slowly and they are small; a swap that takes more than a share of the interval shows in its samples. A shorter one needs
- * large splats, so that the turn moves their depths fast. One that returns within the interval needs depths that deviate from
- * a straight line by more than the reach. Splats of different bodies are checked wherever their depths meet. Splats moved by
- * motion models aren't searched: their paths aren't known. */
+ * Most scenes have none that samples could miss. A swap of two splats of one rigid body that is seen to turn lasts long where
+ * the turn is slow and the splats are small: what takes more than a share of the interval shows in its samples. One that is
+ * shorter needs splats so large that the turn takes their depths past each other fast, and one that comes back within the
+ * interval needs depths that stray by the reach from going straight. Splats of different bodies are looked at wherever their
+ * depths meet. A splat that a motion model moves is a body of its own (swap_movers.c). */
 #include "camera/td_rotation.h"
 #include "scene/td_scene.h"
 #include "td_extremes.h"
@@ -57,7 +57,8 @@ tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps *
     made->turning = td_alloc((size_t)store->objects, sizeof *made->turning, error);
     made->turned = td_alloc((size_t)store->objects, sizeof *made->turned, error);
     made->first = td_alloc((size_t)tiles * TD_TILE_BLOCKS + 1, sizeof *made->first, error);
-    if (!made->extent || !made->may || !made->group || !made->turning || !made->turned || !made->first) {
+    made->mover = td_alloc((size_t)store->count, sizeof *made->mover, error);
+    if (!made->mover || !made->extent || !made->may || !made->group || !made->turning || !made->turned || !made->first) {
         td_swaps_destroy(made);
         return TIDES_NO_MEMORY;
     }
@@ -78,6 +79,9 @@ void td_swaps_destroy(struct td_swaps *swaps) {
     free(swaps->swap);
     free(swaps->splat);
     free(swaps->depth);
+    free(swaps->mover);
+    free(swaps->move);
+    free(swaps->shape);
     free(swaps);
 }
 
@@ -178,8 +182,8 @@ static double reach_of(const tides_renderer *renderer, const struct td_swaps *sw
 /* Finds which Gaussians may swap; returns 1 if any may. */
 static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at) {
     const td_store *store = &renderer->store;
-    const double share = 0.5 * TD_SWAP_REACH * renderer->image.soft_depth; /* reach in depth of two equal splats */
-    int moving = 0, rests = 0, any = 0;
+    const double share = 0.5 * TD_SWAP_REACH * renderer->image.soft_depth; /* of two splats alike */
+    int moving = 2 * (swaps->moves > 0), rests = 0, any = 0;
     for (int i = 0; i < store->objects; i++) {
         swaps->turning[i] = swaps->group[i] >= 0 ? turning_of(at, i) : 0;
         swaps->turned[i] = swaps->group[i] >= 0 ? turned_by(at, i) : 0;
@@ -190,7 +194,7 @@ static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, 
     for (int g = 0; g < store->count; g++) {
         const int object = store->object[g];
         const float *box = renderer->sweep.boxes + 4 * (size_t)g;
-        swaps->may[g] = MAY_NOT;
+        swaps->may[g] = swaps->mover[g] >= 0 ? MAY_SWAP : MAY_NOT;
         if (swaps->group[object] < 0 || !(box[0] <= box[2])) continue;
         if (alone && !(swaps->turning[object] > 0)) continue;
         const double z = depth_at(&at->view[object], store->geometry + (size_t)g * TD_GEOMETRY_STRIDE + TD_G_MEAN);
@@ -229,29 +233,38 @@ static double luminance_of(const tides_renderer *renderer, int g) {
     return sum;
 }
 
+/* The body of a splat: one that a motion model moves is one by itself. */
+static int group_of(const tides_renderer *renderer, const struct td_swaps *swaps, int g) {
+    return swaps->mover[g] >= 0 ? -1 - g : swaps->group[renderer->store.object[g]];
+}
+
 static void take_splat(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at, int g,
                        double *z, td_swap_splat *to) {
-    const double *geometry = renderer->store.geometry + (size_t)g * TD_GEOMETRY_STRIDE;
-    const int object = renderer->store.object[g];
+    const int object = renderer->store.object[g], mover = swaps->mover[g];
+    const double *geometry = mover < 0 ? renderer->store.geometry + (size_t)g * TD_GEOMETRY_STRIDE
+                                       : swaps->shape + (size_t)mover * TD_GEOMETRY_STRIDE;
+    to->move = mover < 0 ? NULL : swaps->move + (size_t)mover * (size_t)(at->parts + 1);
     to->box = renderer->sweep.boxes + 4 * (size_t)g;
     to->geometry = geometry;
     to->opacity = geometry[TD_G_OPACITY];
     to->luminance = luminance_of(renderer, g);
     to->object = object;
-    to->group = swaps->group[object];
+    to->group = group_of(renderer, swaps, g);
     to->may = swaps->may[g];
     double *z_dot = z + at->parts + 1;
     to->least = INFINITY;
     to->most = -INFINITY;
     for (int k = 0; k <= at->parts; k++) {
         const td_view *view = &at->view[(size_t)k * (size_t)at->objects + (size_t)object];
-        z[k] = depth_at(view, geometry + TD_G_MEAN);
-        z_dot[k] = depth_rate_at(view, geometry + TD_G_MEAN);
+        const double *mean = to->move ? to->move[k].mean : geometry + TD_G_MEAN;
+        z[k] = depth_at(view, mean);
+        z_dot[k] = depth_rate_at(view, mean);
+        if (to->move) z_dot[k] += td_dot3(view->r + 6, to->move[k].rate);
         const double bow = at->h / 3 * fabs(z_dot[k]);
         to->least = td_lesser(to->least, z[k] - bow);
         to->most = td_greater(to->most, z[k] + bow);
     }
-    to->sway = swaps->turned[object] * reach_of(renderer, swaps, g, z[0]);
+    to->sway = mover < 0 ? swaps->turned[object] * reach_of(renderer, swaps, g, z[0]) : 0;
     to->z = z;
     to->z_dot = z_dot;
 }
@@ -260,14 +273,14 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
 static tides_status take_splats(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
                                 int *count, int *bodies, int *within, tides_error *error) {
     const int *first = renderer->candidates.first, *list = renderer->candidates.list;
-    int group = -1, some = 0;
+    int group = 0, some = 0;
     *count = *bodies = *within = 0;
     for (int i = first[tile]; i < first[tile + 1]; i++) {
         const int g = list[i];
         if (g < 0 || swaps->may[g] == MAY_NOT) continue;
-        const int own = swaps->group[renderer->store.object[g]];
+        const int own = group_of(renderer, swaps, g);
         *within |= swaps->may[g] >= MAY_SHORTLY;
-        *bodies |= group >= 0 && own != group;
+        *bodies |= some > 0 && own != group;
         group = own;
         some++;
     }
@@ -293,7 +306,8 @@ static void look_across(td_swap_tile *of, const td_swap_splat *all, int count, d
         const td_swap_splat *a = &all[i];
         const double far = a->most + near * fabs(a->most);
         for (int j = i + 1; j < count && all[j].least <= far && pairs < MOST_PAIRS; j++, pairs++)
-            if (a->group != all[j].group) td_swaps_look_at(of, a, &all[j], TD_SWAP_SLOW);
+            if (a->group != all[j].group)
+                td_swaps_look_at(of, a, &all[j], a->move || all[j].move ? TD_SWAP_SLOW_WITHIN : TD_SWAP_SLOW);
     }
 }
 
@@ -389,6 +403,8 @@ tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajec
     if (status == TIDES_OK) status = take_views(renderer, camera, swaps, &at, error);
     if (status != TIDES_OK) return status;
     swaps->count = 0;
+    status = td_swaps_move(renderer, swaps, &at, error);
+    if (status != TIDES_OK) return status;
     if (!find_who_may(renderer, swaps, &at)) return status;
     for (int tile = 0; tile < renderer->stats.tiles && status == TIDES_OK; tile++)
         if (renderer->candidates.moving[tile]) status = look_in(renderer, swaps, &at, tile, error);

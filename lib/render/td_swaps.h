@@ -13,18 +13,25 @@
 /* A smaller change of Y isn't counted as a swap. */
 #define TD_SWAP_LEAST_LIGHT 1e-5
 
-/* A swap whose half-length is above this share of the interval shows in its samples. The smaller share is for splats of one
- * body that turns evenly. Choices: the demo's 50 ms took 15 % longer with 0.25 for both, 7 % with 0.1, and 0 with these. */
+/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples; of splats of one body that
+ * is seen to turn evenly, and of those that motion models move, a larger one than the other. Choices: demo's 50 ms took 15 %
+ * longer with 0.25, 7 with 0.1, 0 so; 30 ms of `tides scene crowd` with what moves 140 % with 0.25, 25 % so. */
 #define TD_SWAP_SLOW 0.25
 #define TD_SWAP_SLOW_WITHIN 0.05
 
-/* A Gaussian of a tile's list: its box, its range of depth in the interval, and depths and rates at the samples (parts + 1). */
+/* A splat that a motion model moves, at a sample: where it is in its object's units, and how fast it goes [1/s]. */
+typedef struct td_swap_move {
+    double mean[3], rate[3];
+} td_swap_move;
+
+/* A Gaussian of a tile's list: its box, depths within the interval, and these and their rates at the samples (parts + 1). */
 typedef struct td_swap_splat {
     const float *box;
     double least, most, sway; /* sway: half the distance by which a turn moves its depth against that of overlapping splats */
     const double *geometry;
     double opacity, luminance; /* by the constant SH term */
     int object, group, may;
+    const td_swap_move *move; /* at the samples; NULL: it rests in its object */
     const double *z, *z_dot;
 } td_swap_splat;
 
@@ -49,6 +56,11 @@ struct td_swaps {
     td_swap_splat *splat; /* of a tile */
     double *depth;        /* their depths and rates */
     size_t splat_capacity, depth_capacity;
+    int32_t *mover;     /* (store.count) number of a splat among those that motion models move, or -1 */
+    int moves;          /* how many */
+    td_swap_move *move; /* (moves x samples) */
+    double *shape;      /* (moves x TD_GEOMETRY_STRIDE) in the middle; the largest opacity */
+    size_t move_capacity, shape_capacity;
 };
 
 /* A tile whose pairs are checked, and the status so far. */
@@ -62,7 +74,11 @@ typedef struct td_swap_tile {
     tides_error *error;
 } td_swap_tile;
 
-/* Adds the swaps of two splats to the tile's blocks, if they take no more than this share of the interval. */
+/* Works out the splats that motion models move at the samples (swap_movers.c). */
+TIDES_MUST_CHECK tides_status td_swaps_move(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at,
+                                            tides_error *error);
+
+/* Adds all swaps of two splats that take no more than this share to those of the tile's blocks (swap_pair.c). */
 void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b, double slow);
 
 tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error);

@@ -1,4 +1,4 @@
-/* One array of a representation as an OpenEXR image, a channel for each plane: a sink of array_writer.c. */
+/* Writes an array of a representation as an OpenEXR image, with a channel for each plane. */
 #include "td_array_sink.h"
 #include "tides/image.h"
 
@@ -10,7 +10,7 @@ static tides_status create(td_array_sink *sink, tides_error *error) {
 }
 
 static tides_status append(td_array_sink *sink, tides_error *error) {
-    if (sink->count == 0) return TIDES_OK; /* the sink keeps it */
+    if (sink->count == 0) return TIDES_OK; /* the image is written when the file is completed */
     return td_fail(error, TIDES_UNSUPPORTED, "%s: an .exr holds one window: write .npy, .npz or .h5, or fewer windows",
                    sink->path);
 }

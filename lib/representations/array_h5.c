@@ -1,5 +1,5 @@
-/* Arrays as HDF5: /NAME (windows x planes x height x width), a chunk for each window, deflated; /start_ns, /stop_ns and
- * /events, a value for each window. */
+/* Writes arrays as HDF5: /NAME (windows x planes x height x width), a deflated chunk per window; /start_ns, /stop_ns and
+ * /events have a value per window. */
 #include "archive/td_h5_driver.h"
 #include "events/td_event_store.h"
 #include "td_array_sink.h"
@@ -11,8 +11,8 @@
 
 typedef struct h5_array {
     hid_t file, dataset;
-    int ours;   /* the .part isn't another run's */
-    int failed; /* errno of a write that HDF5 doesn't see (archive/td_h5_driver.h), or 0 */
+    int ours;   /* 1: the .part is this process's */
+    int failed; /* errno of a write that HDF5 doesn't report (see its file driver), or 0 */
 } h5_array;
 
 static tides_status write_failed(const td_array_sink *sink, tides_error *error) {
@@ -28,7 +28,7 @@ static hid_t create_dataset(const td_array_sink *sink, hid_t file) {
     const hsize_t start[4] = {0, sink->planes, sink->height, sink->width};
     const hsize_t most[4] = {H5S_UNLIMITED, sink->planes, sink->height, sink->width};
     hsize_t chunk[4] = {1, sink->planes, sink->height, sink->width};
-    /* A chunk has to stay below 4 GiB. */
+    /* A chunk must be smaller than 4 GiB. */
     if (sink->cells * sizeof(float) > (size_t)1 << 30) chunk[1] = 1, chunk[2] = sink->height < 1024 ? sink->height : 1024;
     hid_t dataset = -1, space = H5Screate_simple(4, start, most), creation = H5Pcreate(H5P_DATASET_CREATE);
     if (space >= 0 && creation >= 0 && H5Pset_chunk(creation, 4, chunk) >= 0 && H5Pset_shuffle(creation) >= 0 &&
@@ -71,7 +71,7 @@ static void discard(td_array_sink *sink) {
     if (!h5) return;
     td_h5_quiet saved;
     td_h5_quiet_begin(&saved);
-    if (h5->ours && h5->failed != EBUSY) td_remove_part(sink->part, sink->path); /* while it is still ours alone */
+    if (h5->ours && h5->failed != EBUSY) td_remove_part(sink->part, sink->path); /* while its lock is held */
     close_all(h5);
     td_h5_quiet_end(&saved);
     free(h5);
@@ -93,8 +93,8 @@ static tides_status create(td_array_sink *sink, tides_error *error) {
 
 /* ---- windows ---- */
 
-/* HDF5 that finds the disk full writes metadata about chunks that aren't there, and can't close the file: so space is claimed
- * first. Deflate adds at most 5 bytes per 16 kB. */
+/* Claims disk space before a chunk is written. If the disk becomes full, HDF5 writes metadata of chunks that don't exist, and
+ * can't close the file. Deflate adds at most 5 bytes per 16 kB. */
 static tides_status claim(const td_array_sink *sink, const h5_array *h5, uint64_t bytes, tides_error *error) {
     const int no_space = td_event_claim_space(h5->file, bytes + bytes / 1024 + 65536);
     return no_space ? td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->path, strerror(no_space)) : TIDES_OK;
@@ -124,7 +124,7 @@ static tides_status append(td_array_sink *sink, tides_error *error) {
 
 /* ---- ending ---- */
 
-/* One member of the windows; all have 64 bits. */
+/* Writes a member of all windows, which has 64 bits. */
 static herr_t write_column(const td_array_sink *sink, hid_t file, const char *name, hid_t stored, hid_t given, size_t offset) {
     const hsize_t rows = sink->count;
     hid_t space = H5Screate_simple(1, &rows, NULL), creation = H5Pcreate(H5P_DATASET_CREATE), dataset = -1;
@@ -158,7 +158,7 @@ static tides_status complete(td_array_sink *sink, tides_error *error) {
     if (status == TIDES_OK && close_all(h5) < 0) status = write_failed(sink, error);
     td_h5_quiet_end(&saved);
     if (status == TIDES_OK) {
-        h5->ours = 0; /* renamed, or removed */
+        h5->ours = 0; /* td_commit_file renames it or removes it */
         status = td_commit_file(sink->part, sink->path, error);
     }
     return status;

@@ -1,4 +1,4 @@
-/* Arrays of representations as numpy's .npy and .npz: one of the sinks of array_writer.c. */
+/* Writes arrays of representations as numpy's .npy and .npz. */
 #include "archive/td_npy.h"
 #include "td_array_sink.h"
 
@@ -26,11 +26,11 @@ static tides_status append(td_array_sink *sink, tides_error *error) {
 
 static tides_status complete(td_array_sink *sink, tides_error *error) {
     td_npy_writer *writer = sink->state;
-    sink->state = NULL; /* closing frees it */
+    sink->state = NULL; /* td_npy_writer_close frees it */
     return td_npy_writer_close(writer, error);
 }
 
-/* One column of the windows: 0 start_ns, 1 stop_ns, 2 events; all have 64 bits. */
+/* Appends a column of the windows: 0 start_ns, 1 stop_ns, 2 events; all have 64 bits. */
 static tides_status append_column(td_array_sink *sink, int column, tides_error *error) {
     static const char *const names[] = {"start_ns", "stop_ns", "events"};
     tides_status status =

@@ -1,5 +1,5 @@
-/* Files of arrays behind tides_array_writer: shapes and order checked, the format from the ending, written beside and
- * renamed. Each format (array_npy.c, array_h5.c, array_exr.c) has a file of its own. */
+/* Files of arrays (tides_array_writer): checks shapes and order, chooses the format by the path's ending, writes a .part and
+ * renames it. A format is a td_array_format. */
 #include "td_array_sink.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* Event frames and time surfaces: per pixel and polarity, how many events, and how long ago the latest was. */
+/* Event frames and time surfaces: for each pixel and polarity, the number of events, and the age of the latest one. */
 #include "td_representation.h"
 
 #include "td_math.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Times beyond this [ns], 73 years, are no times: differences of two must fit 64 bits. */
+/* Times beyond this [ns], 73 years, are refused, because differences of two must fit 64 bits. */
 static const int64_t time_limit = INT64_C(2305843009213693952);
 
 tides_status td_representation_check(const char *call, const tides_event *events, size_t count, int32_t width, int32_t height,

@@ -1,11 +1,11 @@
-/* Internal: a file of arrays being written; each format is a set of functions over one sink. */
+/* Internal: a file of arrays that is being written. A format is a set of functions that write it. */
 #ifndef TD_ARRAY_SINK_H
 #define TD_ARRAY_SINK_H
 
 #include "td_base.h"
 #include "tides/representations.h"
 
-/* Facts of each window that are kept until the file ends. */
+/* Values of each window, kept until the file is completed. */
 typedef struct td_array_window {
     int64_t start_ns, stop_ns;
     uint64_t events;
@@ -17,12 +17,12 @@ typedef struct td_array_sink {
     size_t planes, height, width, cells;
     td_array_window *windows;
     size_t count, capacity;
-    float *values; /* the latest array */
-    void *state;   /* the format's */
+    float *values; /* array of the latest window */
+    void *state;   /* owned by the format */
 } td_array_sink;
 
-/* `append` writes sink->values, window number sink->count; `complete` ends the file and puts it in place; `discard` removes
- * what is there, and frees the state in any case (after `complete` too). */
+/* `append` writes sink->values as window number sink->count. `complete` ends the file and renames it. `discard` removes an
+ * incomplete file, and frees the state in any case (after `complete` too). */
 typedef struct td_array_format {
     const char *ending;
     tides_status (*create)(td_array_sink *sink, tides_error *error);

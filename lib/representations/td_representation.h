@@ -1,11 +1,11 @@
-/* Internal: what every representation asks of its events. */
+/* Internal: requirements of every representation on its events. */
 #ifndef TD_REPRESENTATION_H
 #define TD_REPRESENTATION_H
 
 #include "td_base.h"
 #include "tides/representations.h"
 
-/* Polarities, order and places of events; `call` names the function in the error. */
+/* Checks polarities, order and places of events. `call` is the function's name in the error. */
 tides_status td_representation_check(const char *call, const tides_event *events, size_t count, int32_t width, int32_t height,
                                      tides_error *error);
 

@@ -1,5 +1,4 @@
-/* Voxel grids: events shared linearly between bins of time (Zhu et al. 2019), as E2VID, DSEC's E-RAFT and TimeLens build
- * them. */
+/* Voxel grids: events are shared linearly between bins of time (Zhu et al. 2019), as for E2VID, DSEC's E-RAFT and TimeLens. */
 #include "td_representation.h"
 
 #include "td_struct.h"
@@ -17,7 +16,7 @@ void tides_voxel_options_defaults(tides_voxel_options *options, int32_t style) {
 }
 
 static tides_status check_options(const tides_voxel_options *o, tides_error *error) {
-    const int64_t limit = INT64_C(2305843009213693952); /* as for events */
+    const int64_t limit = INT64_C(2305843009213693952); /* times of 73 years, whose differences fit 64 bits */
     if (o->bins < 1 || o->bins > 4096)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_voxel_options: there are %d bins; 1 to 4096 are possible", o->bins);
     if (o->normalise < TIDES_NORMALISE_NONE || o->normalise > TIDES_NORMALISE_SAMPLE)
@@ -29,7 +28,7 @@ static tides_status check_options(const tides_voxel_options *o, tides_error *err
     return TIDES_OK;
 }
 
-/* Adds the events of [start, stop] to a grid of zeros. */
+/* Adds the events in [start, stop] to a grid of zeros. */
 static void fill(const tides_event *events, size_t count, int32_t width, size_t pixels, int32_t bins, int64_t start,
                  int64_t stop, double *grid) {
     const double span = stop > start ? (double)(stop - start) : 1.0;

@@ -426,6 +426,8 @@ const td_param td_params[] = {
      .ideal = "0"},
     {NUMBER("v2e.cs_tau_p_ms", baseline.v2e.cs_tau_p_ms, "ms", 0, 1e6,
             "time constant of the surround; v2e takes 1e-6 for 0, here it must be given")},
+    {NUMBER("v2e.added_dn", baseline.v2e.added_dn, "DN", 0, 255,
+            "added to the frames that v2e is given: it has no black level itself")},
     {BOOLEAN("v2e.hdr", baseline.v2e.hdr, "frames hold logarithms already")},
     {BOOLEAN("v2e.float32_timestamps", baseline.v2e.float32_timestamps, "round sub-times to float32 seconds, as v2e does")},
 

@@ -1,4 +1,12 @@
-/* Reads SpacetimeGaussians (Li et al. 2024): point_cloud.ply with these raw properties: */
+/* Reads SpacetimeGaussians (Li et al. 2024): point_cloud.ply with these raw properties:
+ *     x y z, scale_0..2, rot_0..3, opacity    as 3DGS
+ *     trbf_center, trbf_scale                 centre and ln width of the bell of opacity
+ *     motion_0..8                             coefficients of dt, dt^2, dt^3, xyz each
+ *     omega_0..3                              the quaternion's rate
+ *     f_dc_0..2                               colour (lite); with f_dc_3..5 and f_t_0..2, nine features (full), which a small
+ *                                             network beside it, point_cloud.pt, turns into colour per pixel:
+ *                                             mlp1.weight [6, 12, 1, 1], mlp2.weight [3, 6, 1, 1]
+ * tau is (frame - first frame) / frames, from 0 to 1. */
 #include "scene/td_method_arrays.h"
 
 #include "archive/td_pickle.h"

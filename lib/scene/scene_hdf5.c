@@ -4,11 +4,11 @@
  *                                          version       int    1 or 2
  *                                          tides_version text   of the writer; for people
  *                                          objects       int    number of objects, >= 1
- *                             datasets    up            double (3): direction of up; absent if unknown
+ *                              datasets    up            double (3): direction of up; absent if unknown
  *     /objects/0, 1, 2 ...     attributes  name, source  text   as in tides_object
  *                                          scale         double
  *                                          sh_degree     int    0..4; K = (sh_degree + 1)^2
- *                                         trained       text   "plain", "antialiased" or "mixed"; absent if unknown
+ *                                          trained       text   "plain", "antialiased" or "mixed"; absent if unknown
  *                              datasets    mean          float  (N x 3)
  *                                          log_scale     float  (N x 3)
  *                                          quaternion    float  (N x 4)      wxyz, raw
@@ -25,7 +25,7 @@
  *                                          start, stop   double [own time]
  *                                          duration_s    double [s]
  *     /objects/0/motion/settings  attributes  a double each
- *    /objects/0/motion/fields    datasets    float, 1 to 4 dimensions; each motion model has its own names and shapes
+ *     /objects/0/motion/fields    datasets    float, 1 to 4 dimensions; each motion model has its own names and shapes
  *
  * Units and meanings are those of tides/scene.h and tides/trajectory.h. Floating-point numbers may have any width and byte
  * order, texts fixed or variable length (TIDES writes fixed), and datasets may be chunked or compressed: files from h5py

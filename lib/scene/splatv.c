@@ -1,4 +1,11 @@
-/* Reads .splatv (antimatter15's splaTV, and converters to it): SpacetimeGaussians, lite model, as a texture. Little-endian: */
+/* Reads .splatv (antimatter15's splaTV, and converters to it): SpacetimeGaussians, lite model, as a texture. Little-endian:
+ *     uint32 0x674b ("Kg"), uint32 bytes of JSON, JSON, and the chunks that it lists, one after the other
+ *     [{"type": "splat", "size": bytes, "texwidth": 4096, "texheight": rows, "cameras": [...]}, ...]
+ * The splat chunk has 64 bytes per Gaussian, 1024 to a row, zeros after the last. `motion` is the coefficients of dt, dt^2 and
+ * dt^3, `omega` the quaternion's rate, `trbf` the bell of opacity's centre and width:
+ *     float x y z; half rotation w x y z; half scale x y z (linear) and 0; uint8 r g b a (colour and opacity, of 255);
+ *     half motion_0..8 and 0; half omega_0..3; half trbf_center, e^trbf_scale
+ * Time runs from 0 to 1. Its viewer's cameras aren't read. */
 #include "archive/td_numbers.h"
 #include "td_base.h"
 #include "td_endian.h"

@@ -197,10 +197,18 @@ static int may_fire(td_sensor *sensor, size_t i, int cuts, double low, double hi
     return leaves || sensor->reach[i];
 }
 
+/* 0: count_pixel changes nothing, so that nobody need ask whether the pixel counts. */
+static int may_be_worse(const td_estimated *step, const pixel_step *p, double scale, double moved, const td_estimate *worst) {
+    const double timed = td_greater(p->error - noise, 0);
+    return !(p->error * scale <= worst->rounded && p->error * scale <= worst->error) ||
+           (step->deviation && !(p->bump * scale <= worst->deviation)) || !(timed * step->h / moved <= worst->seconds);
+}
+
 static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
     td_estimate worst = {0, 0, 0, 0, 0};
     double swing = (sensor->additive.on ? noise_swing * sensor->additive.sigma : 0) + (sensor->kick.on ? sensor->kick.most : 0);
     double nominal = td_sensor_least_threshold(&sensor->sensor);
+    const int notes = step->reference && cuts <= TD_FEW_CUTS; /* may_fire keeps what it finds */
     for (int32_t k = 0; k < step->count; k++) {
         size_t i = first + (size_t)k;
         const pixel_step p = pixel_of(step, k);
@@ -208,10 +216,11 @@ static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, 
         double ramp0 = sensor->leak[i] * time, ramp1 = ramp0 + sensor->leak[i] * step->h * 1e9;
         double low, high, own = td_lesser(sensor->threshold_on[i], sensor->threshold_off[i]);
         worst.crossings = td_greater((way_of(&p) + fabs(ramp1 - ramp0)) / own, worst.crossings);
+        double moved = td_greater(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), p.error);
+        if (!notes && !may_be_worse(step, &p, nominal / own, moved, &worst)) continue;
         range_of(&p, &low, &high); /* the ramp lies between its ends, which are added below */
         if (step->reference && !may_fire(sensor, i, cuts, low + ramp0 - swing, high + ramp1 + swing, step->reference[k]))
             continue;
-        double moved = td_greater(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), p.error);
         count_pixel(step, &p, nominal / own, moved, &worst);
     }
     return worst;

@@ -3,6 +3,7 @@
  * The walk goes from one s in the step to the next. Held and masked parts are passed over, each in its own way. Between them,
  * the first crossing fires, or the next noise event if that comes first. */
 #include "td_pixel.h"
+#include "td_extremes.h"
 #include "td_half.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -114,15 +115,21 @@ static double noise_at(const walk *w, double s) {
     return kick + td_noise_value(&sensor->additive, sensor->number[w->pixel->i], &w->segment, time_at(w, s));
 }
 
+/* 1: with any noise of the current segment, a response within [low, high] is between the levels. */
+static int stays_between(const walk *w, double low, double high) {
+    const td_noise_segment *segment = &w->segment;
+    const double least = td_lesser(segment->begin, segment->end) - segment->reach;
+    const double most = td_greater(segment->begin, segment->end) + segment->reach;
+    return low + least > w->reference - w->off && high + most < w->reference + w->on;
+}
+
 /* The first crossing on [from, until], which lies within the current segment. */
 static int cross(walk *w, double from, double until, double *at) {
     const td_sensor *sensor = w->job->sensor;
     const td_response *response = sensor->kick.on ? &w->kicked : &w->pixel->response;
     *at = from;
     if (!sensor->additive.on) return td_response_crossing(response, w->reference, w->on, w->off, from, until, at);
-    const double least = fmin(w->segment.begin, w->segment.end) - w->segment.reach;
-    const double most = fmax(w->segment.begin, w->segment.end) + w->segment.reach;
-    if (w->low + least > w->reference - w->off && w->high + most < w->reference + w->on) return 0;
+    if (stays_between(w, w->low, w->high)) return 0;
     const td_noise_search search = {&sensor->additive,
                                     sensor->number[w->pixel->i],
                                     w->job->start,
@@ -354,7 +361,10 @@ static tides_status catch_up(walk *w) {
     uint64_t *late = w->cut ? &w->job->counts.truncated : &w->job->counts.caught_up;
     tides_status status = TIDES_OK;
     if (!(p->visible_from <= 1 && p->visible_to >= 1)) return TIDES_OK;
+    seek_segment(w, 1);
     while (status == TIDES_OK && !is_held(w, 1)) {
+        const double end = p->end + kick_at(w, 1);
+        if (w->job->sensor->additive.on && stays_between(w, end, end)) return TIDES_OK;
         double residual = end_of(w) - w->reference;
         int polarity = residual >= w->on ? 1 : residual <= -w->off ? -1 : 0;
         if (polarity == 0) return TIDES_OK;

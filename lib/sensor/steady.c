@@ -166,6 +166,6 @@ td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate) {
     if (!(p.sigma > 0)) return (td_initial){p.o, 0, 0};
     const double now = td_sensor_noise_at(sensor, i, 0);
     pass_slowly(&p, rate);
-    const double held = follow_path(&p, now, at.begin, fmax(noise->spacing_ns, p.tau / 8));
+    const double held = follow_path(&p, now, at.begin, p.tau / 8);
     return (td_initial){p.o + now, p.age, held};
 }

@@ -213,8 +213,19 @@ typedef struct td_swap_place {
 const td_swap *td_solve_swaps(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count);
 td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step *step, const td_swap *swap);
 
-/* td_solve_sample offers a settled event for the measurement, and sets its `order`. td_solve_cut keeps the events to be
- * measured, at most TD_CHOSEN_MOST. */
+/* The share of a swap that a cubic through both its ends doesn't show, `wide` cubics' lengths to either side of its middle. All
+ * of a short one; of a long one what a kink of the curvature leaves, by the square of how fast the depths pass. */
+static inline double td_solve_swap_unseen(double wide) {
+    const double left = 0.3 / (wide * wide);
+    return left < 1 ? left : 1;
+}
+
+/* How far swaps that don't show in a step's samples may move a pixel's log_luminance between these: all together, where it is S
+ * or more at both ends. */
+double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S);
+
+/* td_solve_sample offers a settled event to the measurement, and sets its `order`. td_solve_cut keeps the events to be
+ * measured, TD_CHOSEN_MOST at most (chosen.c). */
 enum { TD_CHOSEN_MOST = 256 };
 TIDES_MUST_CHECK tides_status td_solve_sample(const tides_simulator *s, td_solve_portion *portion, const td_sampled *one,
                                               tides_error *error);

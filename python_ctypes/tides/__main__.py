@@ -17,7 +17,7 @@ def main() -> None:
         sys.exit("tides: the tool isn't beside the library that this package loads: run make")
     if FONTS.is_file() and not os.environ.get("FONTCONFIG_PATH"):
         os.environ.setdefault("FONTCONFIG_FILE", str(FONTS))
-    os.environ.setdefault("TIDES_PYTHON", sys.executable)  # `tides bench live` measures this package's ROS 2 feed
+    os.environ.setdefault("TIDES_PYTHON", sys.executable)  # `tides bench live` runs tides.ros2_bench with it
     os.execv(tool, ["tides", *sys.argv[1:]])
 
 

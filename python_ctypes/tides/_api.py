@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 13
+TIDES_NUMERICS = 14
 TIDES_CHECKPOINT_S = 30
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
@@ -373,12 +373,12 @@ class tides_frames_options(Structure):
     microseconds in image_timestamps.txt (DSEC), else the unit in which frames come 1 to 1000
     times a second, or count from 1970 */
     int32_t rebase; /* 1: the first frame's time becomes 0 */
-    const char *timestamps; /* text file with one time per line, beside names or an index, with a header or not; or NULL */
+    const char *timestamps; /* text file with a time per line, after names or an index, with or without header; or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3]; /* weights of r, g, b */
-    int32_t planes; /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
+    int32_t planes; /* 1: luminance; more: arrays with this many values per pixel, used unchanged (voxel grids) */
     double offset_s; /* [s] added to all times, after `rebase` */
-    double full_scale; /* the stored value that is light 1; 0: as above */
+    double full_scale; /* the stored value that means light 1; 0: the type's largest value, or found from the values */
     """
 
     size: int
@@ -407,11 +407,11 @@ class tides_frames_options(Structure):
 
 
 class tides_event(Structure):
-    """int64_t t; /* [ns] of the run's clock: the scene's and the path's time, absolute */
+    """int64_t t; /* [ns] on the run's clock, which is that of the scene and the path */
     uint16_t x, y; /* [px] */
     int8_t polarity; /* +1 or -1 */
     uint8_t cause; /* TIDES_CAUSE_*: the signal, or which noise */
-    uint16_t frontend; /* tides_event_frontend as an IEEE 754 binary16 number: to one part in 2048 */
+    uint16_t frontend; /* tides_event_frontend as IEEE 754 binary16, to one part in 2048 */
     """
 
     t: int
@@ -436,9 +436,9 @@ class tides_event_file(Structure):
     const char *run; /* run file as JSON text, or NULL */
     const char *seed; /* or NULL */
     int32_t labels; /* 1: with all labels; TIDES_UNSUPPORTED but in HDF5. 0: HDF5 has causes, if some aren't the signal's */
-    /* [ns] The recording's stretch; both 0: not known. Where it is, what the format can't hold of it is TIDES_UNSUPPORTED at
-    * once; else the first event that doesn't fit is. HDF5 counts its 32-bit microseconds from t_offset: 0 where the recording
-    * lies within their first 4294.967 s, else its start; where that isn't known, of half an hour from its first event. */
+    /* [ns] The recording's stretch; both 0: unknown. If known, a stretch that the format can't hold is TIDES_UNSUPPORTED at
+    * once; else the first event that doesn't fit is. HDF5 counts its 32-bit microseconds from t_offset: 0 if the stretch ends
+    * before 4294.967 s, else its start. An unknown stretch is taken to last half an hour from the first event. */
     int64_t start_ns, stop_ns; /* as above */
     """
 
@@ -532,13 +532,13 @@ class tides_event_facts(Structure):
 
 class tides_event_reading(Structure):
     """uint32_t size; /* sizeof this struct */
-    int32_t drop_invalid; /* 1: events that can't be (outside the sensor, a polarity that is none, NaN) are left out and counted
-    in the facts; 0: the first of them fails */
+    /* 1: invalid events (outside the sensor, a wrong polarity, NaN) are left out and counted in the facts; 0: they fail */
+    int32_t drop_invalid;
     const char *format; /* a name; NULL: by content */
     const char *columns; /* of text and tables: "t,x,y,p", "-,x,y,p,t" ("-" isn't read); NULL: as their header says, else as
     their values can only be meant */
     const char *unit; /* of the times: "s", "ms", "us", "ns"; NULL: as format or header say, else as values can be meant */
-    const char *stream; /* which of a file's streams of events, by a name that the error lists; NULL: the only one */
+    const char *stream; /* name of one of the file's streams, which errors list; NULL: the only one */
     int64_t offset_ns; /* added to all times, after `rebase` */
     int32_t rebase; /* 1: times count from the recording's zero (tides_event_facts.zero_ns) */
     int32_t reserved;
@@ -569,8 +569,8 @@ class tides_event_reading(Structure):
 
 class tides_event_summary(Structure):
     """uint64_t count, count_on; /* events, and those that are ON */
-    uint64_t disorder; /* events earlier than the one before them */
-    int64_t first_ns, last_ns; /* the earliest and the latest; 0 where empty */
+    uint64_t disorder; /* events that are earlier than the one before in the file */
+    int64_t first_ns, last_ns; /* the earliest and the latest; 0 without events */
     int32_t width, height; /* 0 where the file doesn't say */
     int32_t right, bottom; /* the largest x + 1 and y + 1 [px] */
     char layout[32]; /* as tides_event_facts.format */
@@ -609,7 +609,7 @@ class tides_event_summary(Structure):
 
 class tides_readout(Structure):
     """uint32_t size;
-    int32_t enabled; /* for runs; an arbiter itself doesn't ask */
+    int32_t enabled; /* 1: a run uses it; an arbiter itself ignores this */
     int32_t kind; /* TIDES_READOUT_* */
     int32_t tile_px; /* side of a tile [px], >= 1 */
     int32_t k0; /* events per tick at rest, >= 1 */
@@ -667,10 +667,10 @@ class tides_readout(Structure):
 class tides_readout_stats(Structure):
     """uint64_t in, out; /* events given to it; events that left */
     uint64_t dropped; /* by chance */
-    uint64_t overflowed; /* their queue was full */
+    uint64_t overflowed; /* lost because their queue was full */
     uint64_t waiting; /* in queues, or held until the order is certain */
     uint64_t delayed; /* left later than they fired, jitter aside */
-    uint64_t ticks; /* in which something was served, rows read, or frames; idle ones are skipped */
+    uint64_t ticks; /* ticks in which something was served, or rows or frames that were read; idle ticks are skipped */
     double worst_delay_s; /* from firing to leaving, jitter aside [s] */
     """
 
@@ -701,7 +701,7 @@ class tides_filters(Structure):
     """uint32_t size;
     int32_t background_support; /* 1 to 8 */
     double background_s; /* [s] >= 0; 0: off */
-    double activity_low_start, activity_low_stop; /* [events/s]; start 0: no such bound; stop 0: as start, */
+    double activity_low_start, activity_low_stop; /* [events/s] bound below; start 0: none; stop 0: equal to start, */
     double activity_high_start, activity_high_stop; /* else low_stop >= low_start and high_stop <= high_start */
     double activity_period_s; /* [s] whole nanoseconds, at least 1 */
     double afk_low_hz, afk_high_hz; /* [Hz] 0 < low <= high */
@@ -711,7 +711,7 @@ class tides_filters(Structure):
     double trail_s; /* [s] >= 0 */
     int32_t trail; /* TIDES_TRAIL_* */
     int32_t erc_events; /* >= 0; 0: off */
-    double erc_period_s; /* [s] as activity_period_s */
+    double erc_period_s; /* [s] whole nanoseconds, at least 1 */
     int32_t erc_law; /* TIDES_ERC_* */
     int32_t reserved;
     """
@@ -910,7 +910,7 @@ class tides_handheld(Structure):
 class tides_lens(Structure):
     """int32_t model; /* TIDES_LENS_* */
     int32_t reserved;
-    double k1, k2, k3, k4, p1, p2; /* [1] those that the model hasn't are 0 */
+    double k1, k2, k3, k4, p1, p2; /* [1] 0 where the model has no such term */
     """
 
     model: int
@@ -961,13 +961,13 @@ class tides_intrinsics(Structure):
 
 class tides_path_options(Structure):
     """uint32_t size; /* sizeof this struct, set by the defaults function */
-    int32_t time_unit; /* TIDES_TIME_* of a file's times; AUTO: as its header says, else the format's where that is plausible */
+    int32_t time_unit; /* TIDES_TIME_* of a file's times; AUTO: as its header says, else the format's usual unit if plausible */
     double duration; /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
     [0, duration], in the order of pictures' names, with digits as numbers, where the file has
     them, else of the file; files with trainer's times in [0, 1]
     (D-NeRF, nerfies): times are multiplied by it */
-    double start; /* [s] subtracted from every time of the file, after scaling */
-    int32_t rebase; /* 1: `start` is ignored and the first sample is put at 0 */
+    double start; /* [s] subtracted from every time, after scaling */
+    int32_t rebase; /* 1: the first sample is at 0, and `start` is ignored */
     int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
     applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
     const char *views; /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL:
@@ -1006,20 +1006,20 @@ class tides_path_options(Structure):
 
 class tides_path(Structure):
     """tides_trajectory *trajectory; /* owned by the caller after success */
-    tides_intrinsics intrinsics; /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
-    double field_of_view_x; /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
+    tides_intrinsics intrinsics; /* fields that the file lacks, or that differ from frame to frame, are 0 */
+    double field_of_view_x; /* [rad] if the file gives one (Blender and D-NeRF give it without a width), else 0 */
     char format[32]; /* "tides", "transforms", "camera_path", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff",
     "nerfies" */
     int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
     the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
-    int32_t untimed; /* 1: the file has several poses and no times; they are spread over options.duration */
+    int32_t untimed; /* 1: the file has several poses without times; they are spread over options.duration */
     int32_t varied; /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
     int32_t framed; /* 1: dataparser_transforms.json was applied */
     int32_t reserved;
-    int32_t has_imu; /* 1: the file's folder says where an IMU is (EuRoC's) */
-    double T_C_I[16]; /* where it does: p_camera = T_C_I p_imu, by rows */
-    char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
-    a unit that was found; "" where there is nothing */
+    int32_t has_imu; /* 1: the folder of the file says where an IMU is (EuRoC) */
+    double T_C_I[16]; /* if has_imu: p_camera = T_C_I p_imu, row-major */
+    /* surprising facts about the path, a line each, such as poses that leap, or a unit that was guessed; else "" */
+    char notes[TIDES_PATH_NOTES];
     """
 
     trajectory: Any
@@ -1053,14 +1053,15 @@ class tides_path(Structure):
 
 class tides_device_info(Structure):
     """int32_t kind; /* TIDES_DEVICE_CPU, _GPU, _OTHER, _REFERENCE */
-    int32_t index; /* what SPEC may name; -1 for the reference */
+    int32_t index; /* index that a `spec` may name; -1: the reference */
     char name[128]; /* CL_DEVICE_NAME */
     char platform[128]; /* CL_PLATFORM_NAME */
     char driver[128]; /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
     int32_t compute_units; /* CL_DEVICE_MAX_COMPUTE_UNITS */
     int32_t lanes; /* pixels per work-item that kernels are built for */
-    int32_t fused; /* 0: fma() would be a long function there, so products and sums are rounded apart: events are near
-    those of other devices (some 20 ns), where all others give the same to the bit; 1 elsewhere */
+    /* 0: fma() is slow, so products and sums are rounded separately, and events differ by some 20 ns from those of other
+    * devices, which are all bit-identical; else 1 */
+    int32_t fused;
     int32_t reserved;
     uint64_t memory_bytes; /* CL_DEVICE_GLOBAL_MEM_SIZE */
     """
@@ -1098,7 +1099,7 @@ class tides_polynomial_motion(Structure):
     const float *mean_coefficient; /* c_1, c_2, c_3: xyz each [scene units / tau^k] (N x 9) */
     const float *quaternion_dot; /* wxyz [1 / tau] (N x 4) */
     int32_t plain_colour; /* 1: colours are as given, not cut at 0 (the lite model) */
-    int32_t decoder; /* TIDES_DECODER_...; the full model where not TIDES_DECODER_NONE: */
+    int32_t decoder; /* TIDES_DECODER_...; other than NONE: the full model, with */
     const float *feature; /* albedo 3, then 3 more (N x 6) */
     const float *feature_dot; /* of the last 3 of nine: dt times these [1 / tau] (N x 3) */
     const float *decoder_first; /* W_1, row-major (6 x 12) */
@@ -1263,10 +1264,11 @@ class tides_callback_motion(Structure):
     double start, stop; /* its own clock, any unit */
     tides_motion_function function; /* fills values and rates */
     void *user; /* its first argument */
-    int32_t moves_sh; /* 1: it gives spherical harmonics too */
+    int32_t moves_sh; /* 1: it also fills sh and sh_dot */
     int32_t reserved;
-    double time_scale; /* how long its own clock runs while nothing happens that values and rates at the start, the middle and
-    * the end don't show: about the shortest period. 0: one macro step of the run (step_s), at least */
+    /* about the shortest period: how long motion may go on unseen between values and rates at the start, the middle and the
+    * end. 0: one macro step of the run (step_s), at least */
+    double time_scale;
     """
 
     count: int
@@ -1301,7 +1303,7 @@ class tides_gaussians(Structure):
     const float *sh; /* coefficient, then r g b (N x K x 3) */
     double origin[3]; /* [scene units] what means are relative to: a Gaussian is at origin + mean */
     const double *mean_double; /* [scene units] NULL, or the means in double, in place of `mean` (N x 3) */
-    int32_t transfer; /* TIDES_TRANSFER_LINEAR (0), _SRGB or _GAMMA: what composited colours are of light */
+    int32_t transfer; /* TIDES_TRANSFER_LINEAR (0), _SRGB or _GAMMA: how composited colours code light */
     int32_t reserved;
     double gamma; /* with GAMMA: light = colour^gamma, 1 to 5 */
     """
@@ -1365,7 +1367,7 @@ class tides_scene_format(Structure):
     """const char *endings; /* or names of files in a folder, separated by blanks; static */
     const char *summary; /* a few words; static */
     int32_t writes; /* 1: the library writes it */
-    int32_t losses; /* TIDES_LOSES_* (below) of a file of it */
+    int32_t losses; /* TIDES_LOSES_*: what a file of this format can't hold */
     """
 
     endings: bytes | None
@@ -1449,8 +1451,8 @@ class tides_circuit(Structure):
 
 class tides_sensor(Structure):
     """uint32_t size;
-    /* Per pixel and step, >= 1. Error control cuts steps that may have more. Further events, where it can't or isn't on, are
-    * counted and fire at the step's end. */
+    /* Limit per pixel and step, >= 1. Error control cuts steps that may have more events. If it can't, or isn't on, further
+    * events are counted and fire at the step's end. */
     int32_t max_events_per_step; /* as above */
     double threshold_on; /* C+ [log units], > 0 */
     double threshold_off; /* C- [log units], > 0 */
@@ -1461,7 +1463,7 @@ class tides_sensor(Structure):
     int32_t psf_domain; /* TIDES_PSF_* */
     double leak_rate_hz; /* ON events per second that the reference's drift makes in a pixel at rest [Hz] */
     double leak_sigma; /* decades of log-normal spread of that rate from pixel to pixel */
-    double leak_hz_per_a; /* more of it, per photocurrent of circuit.* at Y = 0.5, which the switch sees too [Hz / A] */
+    double leak_hz_per_a; /* additional leak per photocurrent of circuit.* at Y = 0.5 [Hz / A] */
     double temperature_c; /* 25: leak_rate_hz is there; it doubles every 8, as silicon's leakage does [degrees C] */
     double threshold_parity; /* odd columns' thresholds are higher by this part, even ones' lower, in (-1, 1) [1] */
     double b_min; /* pixels with less coverage than this stay silent, in [0, 1] */
@@ -1470,8 +1472,9 @@ class tides_sensor(Structure):
     double dead_pixel_fraction; /* of all pixels: those that never fire [1] */
     double psf_sigma_px; /* [px] */
     double photoreceptor_cutoff_hz; /* -3 dB [Hz]; 0: off */
-    double photoreceptor_half_a; /* the cutoff is that x I / (I + this), I being the photocurrent of circuit.* at Y = 0.5, the
-    run's light: below it the photodiode is slower than what follows; 0: as it is [A] */
+    /* the cutoff is multiplied by I / (I + this), where I is the photocurrent of circuit.* at Y = 0.5, as the photodiode
+    * limits it in weak light; 0: not multiplied [A] */
+    double photoreceptor_half_a;
     int32_t photoreceptor_law; /* TIDES_PHOTORECEPTOR_* */
     int32_t bandwidth; /* TIDES_BANDWIDTH_* */
     tides_circuit circuit; /* of TIDES_BANDWIDTH_CIRCUIT */
@@ -1485,15 +1488,15 @@ class tides_sensor(Structure):
     uint64_t seed; /* of all that is random here */
     int32_t labels; /* 1: events get tides_event_frontend */
     int32_t initial; /* TIDES_INITIAL_* */
-    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
-    * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
-    * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
-    * Read when pixels are made. The caller's. */
+    /* A file with values of single pixels, which replace drawn ones (nullable; the caller's). It has arrays of the image's
+    * height by width, in an .npz, a structured .npy, or HDF5. Their names are threshold_on, threshold_off [log units], leak
+    * [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1]. Any may be missing, and NaN means unknown. It is read when
+    * pixels are made. */
     const char *maps;
-    /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, which decays.
-    * Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (of reset, of signal) + y kick_row_s
-    * later; reads before the run aren't. Behind all filters. Not with a pole that goes with the light, nor the circuit; a step
-    * is at most 16 recoveries long. */
+    /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, after all
+    * filters, and decays. Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (reset, signal)
+    * + y kick_row_s later. Reads before the run don't count. Not with a pole that depends on light, nor the circuit. A step is
+    * at most 16 recoveries long. */
     double kick; /* [log units], of either sign; 0: off */
     double kick_recovery_s; /* its time constant [s] */
     double kick_rate_hz; /* frames per second [Hz] */
@@ -1592,13 +1595,16 @@ class tides_sensor(Structure):
 
 
 class tides_smoothing(Structure):
-    """/* Splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal: a hard cutoff there. */
+    """/* Splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1. If they are equal, alpha jumps
+    * there. */
     double taper_begin, taper_end;
-    double stop_change; /* what the rest of a pixel's list may change in L when compositing stops; 0: stops hard, before
-    the splat that takes the transmittance below 1e-4 */
-    double near_fade; /* splats have their full opacity at this many near planes, >= 1; 1: they pop up there */
-    double soft_depth; /* relative depth behind a splat over which what it takes of the light falls to 1/e, so that order
-    changes gradually, < 1; 0: a hard order */
+    /* compositing stops when the rest of a pixel's list may change L by at most this; 0: stops at a transmittance of 1e-4,
+    * before the splat that would go below */
+    double stop_change;
+    double near_fade; /* depth from which splats have full opacity [near planes], >= 1; 1: they appear at once */
+    /* relative depth behind a splat over which its share of the light falls to 1/e, so that order changes gradually, < 1; 0:
+    * a strict order */
+    double soft_depth;
     int32_t ellipses; /* 1: extents are the ellipse out to the taper's begin; 0: squares of 3 sigma, on whole tiles */
     int32_t reserved;
     """
@@ -1629,14 +1635,15 @@ class tides_image_params(Structure):
     int32_t sh_degree; /* bands above this are ignored, 0..4 */
     double dilation; /* added to the diagonal of the 2D covariance [px^2] */
     double luminance[3]; /* Y = luminance . (r, g, b) */
-    double log_eps; /* the black level: light of the dark and the photocurrent's offset, as a share of full scale
-    (Y = 1); L = ln(Y + log_eps), 1e-9 to 1e6 */
-    double background[3]; /* r g b, >= 0: light, whatever the transfer is */
+    /* the black level: dark light and the photocurrent's offset, as a share of full scale (Y = 1); L = ln(Y + log_eps), 1e-9
+    * to 1e6 */
+    double log_eps;
+    double background[3]; /* r g b, >= 0: light, whatever `transfer` is */
     tides_smoothing smoothing; /* soft order and tapers */
-    int32_t colour_filter; /* TIDES_FILTER_*: other than OFF each pixel's luminance is one channel, and so are L and all that
-    comes of it; `luminance` must then be the default. Takes three times as long */
-    int32_t transfer; /* TIDES_TRANSFER_*: what composited colours are of light; FILE: as the scene's objects say
-    (tides_scene_transfer) */
+    /* TIDES_FILTER_*. With a filter, a pixel's luminance is one channel, and so is L; `luminance` must then be the default.
+    * Takes three times as long */
+    int32_t colour_filter;
+    int32_t transfer; /* TIDES_TRANSFER_*: how composited colours code light; FILE: as the scene's objects say */
     double gamma; /* with GAMMA: light = colour^gamma, 1 to 5 */
     """
 
@@ -1681,25 +1688,25 @@ class tides_frame(Structure):
 
 
 class tides_render_stats(Structure):
-    """uint64_t tile_jobs; /* (tile, time) pairs composited, whole or in part; */
-    uint64_t blocks; /* (4x4 block, time) pairs of these */
+    """uint64_t tile_jobs; /* (tile, time) pairs composited, whole or in part */
+    uint64_t blocks; /* (4x4 block, time) pairs composited */
     uint64_t tile_jobs_skipped; /* tiles without a candidate: background by formula */
     uint64_t gaussians_total; /* Gaussians in the scene */
-    uint64_t gaussians_dropped; /* those of its files that were left out (tides_scene_options) */
+    uint64_t gaussians_dropped; /* Gaussians of its files that were left out because they can't be rendered */
     uint64_t gaussians_projected; /* (Gaussian, tile job) projections, */
-    uint64_t gaussians_shared; /* of these, worked out once for all tiles of the time, */
-    uint64_t gaussians_culled; /* and touching none of the job's blocks at that time */
-    uint64_t gaussians_still; /* at rest before a resting camera: not looked at again when lists were made */
-    uint64_t gaussians_moved; /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
-    uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
-    uint64_t sweeps; /* times that Gaussians were swept for tile candidate lists */
+    uint64_t gaussians_shared; /* of these, computed once for all tiles of the time, */
+    uint64_t gaussians_culled; /* and those that touch none of the job's blocks at that time */
+    uint64_t gaussians_still; /* Gaussians at rest before a resting camera, skipped when lists were made */
+    uint64_t gaussians_moved; /* (Gaussian, time) rows computed of Gaussians that move by themselves */
+    uint64_t gaussians_interpolated; /* rows that were interpolated instead (stepping.interpolate_motion) */
+    uint64_t sweeps; /* sweeps over Gaussians, which make tiles' candidate lists */
     uint64_t pairs_evaluated; /* (splat, pixel) pairs composited, in blocks of 16 */
-    uint64_t lists_kept; /* tile jobs whose splats were in depth order already: not sorted */
+    uint64_t lists_kept; /* tile jobs whose splats were already in depth order */
     /* Wall time by stage [s]. */
     double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
     int32_t tiles; /* tiles in a full frame */
     int32_t reserved;
-    uint64_t pixels_nonfinite; /* (pixel, time) pairs that came out infinite or not a number: the call that met them failed */
+    uint64_t pixels_nonfinite; /* (pixel, time) pairs that are infinite or NaN; the call that met them failed */
     """
 
     tile_jobs: int
@@ -2000,12 +2007,12 @@ tides_event_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), c_size_t)
 class tides_esim(Structure):
     """double contrast_threshold_pos, contrast_threshold_neg; /* [log units] 1.0 */
     double contrast_threshold_sigma_pos, contrast_threshold_sigma_neg; /* [log units] 0.021, drawn anew per frame and pixel */
-    double refractory_period_ns; /* [ns] 0: events are dropped, their contrast consumed */
+    double refractory_period_ns; /* [ns] 0: crossings within it are dropped, and the reference moves with them */
     double log_eps; /* 0.001 */
     int32_t use_log_image; /* 1; 0: thresholds are on Y itself */
-    int32_t adaptive_sampling; /* TIDES_ESIM_*, of renders: tides_esim_next_time */
+    int32_t adaptive_sampling; /* TIDES_ESIM_*: how the times of renders are chosen */
     double adaptive_sampling_lambda; /* 0.5: change of L [1], or motion [px], between two renders */
-    double minimum_framerate; /* [Hz] 30: the longest time between two renders */
+    double minimum_framerate; /* [Hz] 30: renders are at least so frequent */
     """
 
     contrast_threshold_pos: float
@@ -2037,13 +2044,14 @@ class tides_v2e(Structure):
     """double pos_thres, neg_thres, sigma_thres; /* [log units] 0.2, 0.2, 0.03 once per pixel */
     double cutoff_hz; /* [Hz] 300; 0: off */
     double leak_rate_hz; /* [Hz] 0.01 */
-    double leak_jitter_fraction; /* 0.1 of the leak, per frame */
+    double leak_jitter_fraction; /* 0.1: random part of the leak, per frame */
     double noise_rate_cov_decades; /* 0.1: log-normal spread of leak rates */
     double shot_noise_rate_hz; /* [Hz] 0.001 */
     double refractory_period; /* [s] 0.0005 */
-    double cs_lambda_pixels, cs_tau_p_ms; /* [px], [ms] 0: no surround; */
+    double cs_lambda_pixels, cs_tau_p_ms; /* [px], [ms] 0: no surround */
+    double added_dn; /* [DN] 0: of the frames that v2e is given, which has no black level itself */
     int32_t photoreceptor_noise; /* 0; 1: noise before the comparator instead of shot noise */
-    int32_t hdr; /* 0; 1: what is pushed is the logarithm already */
+    int32_t hdr; /* 0; 1: frames are logarithms already */
     int32_t float32_timestamps; /* 0; 1: sub-times rounded to float32 seconds, as v2e does */
     """
 
@@ -2058,6 +2066,7 @@ class tides_v2e(Structure):
     refractory_period: float
     cs_lambda_pixels: float
     cs_tau_p_ms: float
+    added_dn: float
     photoreceptor_noise: int
     hdr: int
     float32_timestamps: int
@@ -2074,6 +2083,7 @@ class tides_v2e(Structure):
         ("refractory_period", c_double),
         ("cs_lambda_pixels", c_double),
         ("cs_tau_p_ms", c_double),
+        ("added_dn", c_double),
         ("photoreceptor_noise", c_int32),
         ("hdr", c_int32),
         ("float32_timestamps", c_int32),
@@ -2108,7 +2118,7 @@ class tides_iebcs(Structure):
     double bgnp, bgnn; /* [Hz] 0.1, 0.01: periodic noise events of each polarity */
     double scale; /* 1e4: lux-like units of Y = 1 */
     const char *noise_pos; /* .npy of measured noise histograms (rows, columns, 72) per polarity, or NULL */
-    const char *noise_neg; /* of OFF events, likewise */
+    const char *noise_neg; /* the same for OFF events */
     double arbiter_us; /* [us] 0.1: time per event, per event of a row, or per clock */
     int32_t arbiter; /* TIDES_ARBITER_* */
     """
@@ -2160,9 +2170,9 @@ class tides_ldati_params(Structure):
 class tides_baseline_params(Structure):
     """uint32_t size;
     int32_t method; /* TIDES_METHOD_* */
-    uint64_t seed; /* of what the method draws at random */
+    uint64_t seed; /* of the method's random numbers */
     tides_sensor sensor; /* of TIDES_METHOD_TIDES */
-    double log_eps; /* likewise: L = ln(Y + log_eps) */
+    double log_eps; /* of TIDES_METHOD_TIDES: L = ln(Y + log_eps) */
     tides_esim esim; /* of TIDES_METHOD_ESIM */
     tides_v2e v2e; /* of TIDES_METHOD_V2E */
     tides_voltmeter voltmeter; /* of TIDES_METHOD_VOLTMETER */
@@ -2196,11 +2206,11 @@ class tides_baseline_params(Structure):
 
 
 class tides_frame_supply(Structure):
-    """tides_frames *frames; /* a sequence: those of its frames (LDATI: intervals) that lie in [start, stop]; or NULL, and */
+    """tides_frames *frames; /* a sequence, whose frames (LDATI: intervals) within [start, stop] are used; or NULL, and */
     tides_renderer *renderer; /* a renderer, */
     const tides_trajectory *camera; /* its camera, */
-    double frames_per_second; /* and the rate of renders from start on [Hz], the last one at stop; ESIM has its own where
-    its sampling is adaptive */
+    /* and renders per second [Hz]: the first at `start`, the last at `stop`; ESIM's adaptive sampling doesn't read it */
+    double frames_per_second;
     double start, stop; /* [s] */
     """
 
@@ -2225,17 +2235,17 @@ class tides_exposure(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t shutter; /* TIDES_SHUTTER_* */
     double frames_per_second; /* [Hz] */
-    double exposure_s; /* [s] for which each row gathers light; 0: an instant */
-    double row_time_s; /* [s] rolling: from a row to the one below it; negative: from the bottom up */
-    double tolerance; /* most that mean light may be off by: an estimate of it, in every pixel [1] */
+    double exposure_s; /* [s] during which each row gathers light; 0: an instant */
+    double row_time_s; /* [s] ROLLING: from a row to the one below; negative: the bottom row is first */
+    double tolerance; /* bound of the estimated error of mean light, in every pixel [1] */
     int32_t colour; /* 1: r, g and b; 0: Y */
     int32_t bits; /* of a value: 8 or 16 */
-    int32_t transfer; /* TIDES_TRANSFER_*: how light becomes a value (tides/frames.h) */
+    int32_t transfer; /* TIDES_TRANSFER_*: how light becomes a value */
     int32_t reserved;
     double gamma; /* with TIDES_TRANSFER_LINEAR: values go as light^(1 / gamma), 1 being full scale */
     double gain; /* values are at full scale where light times gain is 1 */
     double full_well_e; /* electrons at full scale, for shot noise; 0: none */
-    double read_noise_e; /* electrons, rms, added to each value; asks for full_well_e */
+    double read_noise_e; /* [electrons] rms, added to each value; needs full_well_e */
     uint64_t seed; /* of noise */
     """
 
@@ -2275,10 +2285,11 @@ class tides_exposure(Structure):
 
 
 class tides_exposed(Structure):
-    """double error; /* largest estimated error of a pixel's mean light [1]; above the tolerance where pixels are unsettled */
+    """double error; /* largest estimated error of a pixel's mean light [1]; may exceed the tolerance if pixels are unsettled */
     double renders; /* full frames' worth of tiles rendered */
-    uint64_t unsettled; /* pixels that no cut to 1/4096 of the frame's exposure, or of what something short takes of it, brought
-    within the tolerance; and those that see what may be shorter than 1/262144 of it all along */
+    /* pixels above the tolerance even after cuts to 1/4096 of the exposure, or of a short change; or that may change faster
+    * than 1/262144 of it */
+    uint64_t unsettled;
     """
 
     error: float
@@ -2296,16 +2307,16 @@ class tides_imu(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t reserved;
     double rate_hz; /* samples a second [Hz], > 0 */
-    double gravity; /* its magnitude [m/s^2]; 0: none */
-    double down[3]; /* where it points to, in world axes, of any length; needed unless gravity is 0 */
-    double metres_per_unit; /* of the path [m]; needed */
+    double gravity; /* [m/s^2]; 0: none */
+    double down[3]; /* direction of gravity in world axes, of any length; needed unless gravity is 0 */
+    double metres_per_unit; /* length of a scene unit [m]; needed */
     double gyroscope_noise; /* white noise's density [rad/s/sqrt(Hz)] */
     double accelerometer_noise; /* [m/s^2/sqrt(Hz)] */
     double gyroscope_walk; /* density of the bias's random walk [rad/s^2/sqrt(Hz)] */
     double accelerometer_walk; /* [m/s^3/sqrt(Hz)] */
     double gyroscope_bias[3]; /* at the first sample [rad/s] */
     double accelerometer_bias[3]; /* [m/s^2] */
-    uint64_t seed; /* of noise and walks */
+    uint64_t seed; /* of noise and random walks */
     """
 
     size: int
@@ -2397,32 +2408,32 @@ class tides_param(Structure):
 
 
 class tides_run_values(Structure):
-    """tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
+    """tides_intrinsics intrinsics; /* zeros if neither the run nor its path file gives them */
     tides_image_params image; /* image.*, scene.background */
     tides_sensor sensor; /* sensor.* */
     tides_stepping stepping; /* stepping.* */
     tides_readout readout; /* readout.* */
     tides_filters filters; /* filters.* */
     double start, stop; /* time.* [s] */
-    const char *scene_file, *camera_file, *device, *seed, *method; /* as in the file; "" or NULL where it has none */
+    const char *scene_file, *camera_file, *device, *seed, *method; /* as in the file; "" or NULL if absent */
     tides_baseline_params baseline; /* its method is `method` */
     tides_frames_options frames; /* frames.* */
     const char *frames_file; /* NULL: the run has a scene */
     double frames_per_second; /* of a baseline's renders [Hz] */
     tides_path_options path; /* of camera.file */
     tides_scene_options scene_options; /* of scene.file, and `invalid` of all files */
-    double scene_duration_s; /* 0: the scene's own */
+    double scene_duration_s; /* duration of the scene's motions; 0: the scene's own */
     double metres_per_unit; /* of the scene [m]; 0: unknown */
-    const char *dataset_layout; /* layouts of tides_dataset_write; NULL: not said */
+    const char *dataset_layout; /* layouts of tides_dataset_write; NULL: none given */
     double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz; /* of tides_dataset_write [Hz] */
     int32_t event_truth; /* 1: event files get ground truth (tides_session_truth) */
     int32_t truth_metres; /* 1: its depths are in metres */
     const char *truth_columns; /* "flow,depth,alpha,instance", or some of these */
     int32_t track_choice; /* which of them: TIDES_TRACKS_* */
     int32_t track_count; /* points to follow (tides_session_tracks) */
-    double track_rate_hz; /* at which [Hz] */
+    double track_rate_hz; /* of tracks [Hz] */
     tides_exposure exposure; /* of frames (tides_session_frames) */
-    tides_imu imu; /* but for metres_per_unit, which is above */
+    tides_imu imu; /* metres_per_unit is above instead */
     const char *json; /* the run with every default filled in, as written into event files */
     """
 
@@ -2527,8 +2538,8 @@ class tides_session_facts(Structure):
     const tides_trajectory *camera; /* its path, on the rig where there is one */
     tides_frames *frames; /* NULL on a scene */
     tides_device *device; /* that it runs on */
-    tides_device_info info; /* of the device; on frames its name says so */
-    int32_t sees_frames; /* 1: the method sees frames, of a sequence or rendered: all but TIDES on a scene */
+    tides_device_info info; /* of the device; its name says so on frames */
+    int32_t sees_frames; /* 1: the method sees frames, of a sequence or rendered; 0: TIDES on a scene */
     int32_t reserved;
     """
 
@@ -2561,10 +2572,10 @@ class tides_session_taken(Structure):
     """uint64_t count; /* frames, samples, or times of tracks */
     uint64_t tracks; /* points followed */
     double error; /* frames: the largest estimated error of mean light in a pixel [1] */
-    double renders; /* frames: renders that they took, in full frames */
-    uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
+    double renders; /* frames: renders, in full frames */
+    uint64_t unsettled; /* frames: pixels whose error stayed above the tolerance */
     uint64_t pairs; /* frames: (splat, pixel) pairs that were composited; 0: nothing of the scene was in view */
-    int32_t at_imu; /* of measurements: 1: where a calibration has the IMU, 0: in the camera's place, with its axes */
+    int32_t at_imu; /* measurements: 1: a calibration gives the IMU's place; 0: it is the camera's, with its axes */
     int32_t reserved;
     """
 
@@ -2646,7 +2657,7 @@ class tides_recorded(Structure):
 
 class tides_dataset_layout(Structure):
     """const char *name, *summary; /* static storage */
-    int32_t metric; /* 1: it has lengths in metres */
+    int32_t metric; /* 1: lengths are in metres */
     int32_t reserved;
     """
 
@@ -2667,7 +2678,7 @@ class tides_dataset_report(Structure):
     """uint64_t events; /* of all cameras */
     int32_t cameras; /* of the rig; 1 without one */
     int32_t pictures, truths, poses; /* of each camera: frames, frames of ground truth, poses */
-    int32_t unseeing; /* cameras of events that had nothing of the scene in view, at any time */
+    int32_t unseeing; /* event cameras that never had the scene in view */
     int32_t reserved;
     """
 
@@ -2693,11 +2704,11 @@ class tides_dataset_report(Structure):
 class tides_generator(Structure):
     """const char *name; /* "fan" */
     const char *sentence; /* what is to be seen */
-    const char *counted; /* what options.count counts: "balls"; NULL: this kind has no number to choose */
-    int32_t count; /* how many by default; 0 where `counted` is NULL */
-    int32_t count_most; /* of options.count */
-    int64_t gaussians; /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
-    double duration_s; /* of its motions and path by default [s] */
+    const char *counted; /* what options.count counts: "balls"; NULL: nothing */
+    int32_t count; /* default count; 0 if `counted` is NULL */
+    int32_t count_most; /* largest options.count */
+    int64_t gaussians; /* default number for each moving object (the plane, the fan's blades); 0: can't be chosen */
+    double duration_s; /* default duration of motions and path [s] */
     """
 
     name: bytes | None
@@ -2721,10 +2732,10 @@ class tides_generator(Structure):
 
 class tides_generate_options(Structure):
     """uint32_t size; /* sizeof this struct, set by the defaults function */
-    int32_t count; /* of what the kind counts; 0: its default */
-    int64_t gaussians; /* about how many each moving object has, the grids that cover it being rounded; 0: its default */
-    double duration_s; /* how long motions and the camera's path last, from second 0 [s], up to 600; 0: its default */
-    double speed; /* objects (of the plane: the camera) move so many times as fast, in (0, 1000] */
+    int32_t count; /* number of what the kind counts; 0: its default */
+    int64_t gaussians; /* about the number for each moving object (its grids are rounded); 0: the kind's default */
+    double duration_s; /* duration of motions and camera path, from second 0 [s], up to 600; 0: the kind's default */
+    double speed; /* objects (of the plane: the camera) are this many times as fast, in (0, 1000] */
     uint64_t seed; /* of colours, places, phases and the camera's shake */
     int32_t width, height; /* of the image [px]; the field of view is always 60 degrees across */
     """
@@ -2752,7 +2763,7 @@ class tides_generate_options(Structure):
 
 class tides_world(Structure):
     """tides_scene *scene; /* with its objects' motions */
-    tides_trajectory *camera; /* the path that sees it */
+    tides_trajectory *camera; /* the path of a camera that sees the scene */
     tides_intrinsics intrinsics; /* of that camera */
     double background[3]; /* for scene.background: linear r g b */
     double duration_s; /* of motions and path [s] */
@@ -2799,7 +2810,7 @@ class tides_truth(Structure):
 
 
 class tides_material_point(Structure):
-    """int32_t object; /* of the scene; -1: no point */
+    """int32_t object; /* number of the object in the scene; -1: no point */
     int32_t reserved;
     int64_t gaussian; /* within the object */
     double xi[3]; /* in standard deviations [1] */
@@ -2819,8 +2830,8 @@ class tides_material_point(Structure):
 
 
 class tides_track(Structure):
-    """double u, v; /* [px], (0.5, 0.5) being the first pixel's centre; NaN behind the near plane, or where there's no point */
-    double depth; /* camera z [scene units]; NaN where there's no point */
+    """double u, v; /* [px], (0.5, 0.5) is the first pixel's centre; NaN behind the near plane, or without a point */
+    double depth; /* camera z [scene units]; NaN without a point */
     int32_t visible; /* 1: in the image, and not behind what is seen there (the splat of the median depth) */
     int32_t reserved;
     """
@@ -2868,11 +2879,11 @@ class tides_event_conversion(Structure):
     int32_t width, height; /* of the sensor [px]; 0: what the file says, else what its events reach */
     int64_t start_ns, stop_ns; /* events with start <= t < stop are kept */
     int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
-    int32_t rebase; /* as tides_event_reading; start_ns and stop_ns are times after it */
-    int32_t drop_invalid; /* as tides_event_reading; `width` and `height` bound the sensor too */
-    const char *columns, *unit, *stream; /* as tides_event_reading */
-    int64_t offset_ns; /* as tides_event_reading; start_ns and stop_ns are times after it */
-    const tides_filters *filters; /* of a camera, which what is kept goes through; NULL: none */
+    int32_t rebase; /* 1: times count from the recording's zero; start_ns and stop_ns are then relative to it */
+    int32_t drop_invalid; /* 1: invalid events are left out and counted; `width` and `height` then bound the sensor too */
+    const char *columns, *unit, *stream; /* options of reading (tides_event_reading), or NULL */
+    int64_t offset_ns; /* added to all times, after `rebase`; start_ns and stop_ns apply after it */
+    const tides_filters *filters; /* filters that the kept events go through; NULL: none */
     """
 
     to: bytes | None
@@ -2915,16 +2926,16 @@ class tides_event_conversion(Structure):
 
 class tides_event_conversion_report(Structure):
     """uint64_t read, written; /* events */
-    uint64_t disorder; /* events earlier than the one before them in the file: they were put in order */
-    uint64_t collapsed; /* as tides_event_writer_collapsed */
-    int64_t first_ns, last_ns; /* as written; 0 where nothing was */
+    uint64_t disorder; /* events that were earlier than the one before in the file; they were sorted */
+    uint64_t collapsed; /* events that share their pixel and the format's tick with an earlier one */
+    int64_t first_ns, last_ns; /* of the written events; 0 if there are none */
     int32_t width, height; /* [px] of the sensor as written */
     char from[32], to[32]; /* names of formats */
-    int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
+    int32_t labels; /* TIDES_LABEL_* that the file had; they aren't kept */
     int32_t zero; /* with `rebase`: TIDES_ZERO_* */
     int64_t zero_ns; /* with `rebase`: what became time 0, on the file's clock */
     uint64_t dropped; /* invalid events that were left out */
-    char read_as[160]; /* as tides_event_facts */
+    char read_as[160]; /* how columns and units were decided if the format leaves them open, else "" */
     uint64_t filtered[TIDES_STAGES]; /* dropped by `filters`, by TIDES_STAGE_* */
     """
 
@@ -2967,11 +2978,10 @@ class tides_event_conversion_report(Structure):
 class tides_match(Structure):
     """uint64_t reference, simulated; /* events in the streams */
     uint64_t matched; /* pairs */
-    uint64_t missing, spurious; /* events of the reference, of the simulated stream, that have no counterpart */
-    double mismatch_percent; /* 100 (missing + spurious) / reference; 0 where both are empty, infinite where only the
-    reference is */
+    uint64_t missing, spurious; /* events of the reference, and of the simulated stream, without a counterpart */
+    double mismatch_percent; /* 100 (missing + spurious) / reference; 0 if both are empty, infinite if only the reference is */
     double dt_median_us, dt_p95_us, dt_p99_us, dt_max_us; /* of |simulated - reference| over the pairs [us] */
-    double dt_mean_us; /* of the signed simulated - reference: the bias */
+    double dt_mean_us; /* mean of simulated - reference, with its sign: the bias [us] */
     """
 
     reference: int
@@ -3006,9 +3016,10 @@ class tides_metrics_options(Structure):
     uint32_t wanted; /* TIDES_METRIC_* */
     int32_t width, height; /* sensor [px]; 0, 0: as large as the events need */
     int32_t roi[4]; /* x, y, width, height [px]: only events in it, coordinates from its corner; width 0: all */
-    int64_t start_ns, stop_ns; /* only events in [start, stop); equal: from the first event of both to the last, whole ticks;
-    streams that share no time are then TIDES_BAD_ARGUMENT */
-    int64_t tick_ns; /* times are floored to this clock (but for `match`); 0: as they are */
+    /* only events in [start, stop); equal: from the first event of both to the last, in whole ticks; TIDES_BAD_ARGUMENT if
+    * the streams then share no time */
+    int64_t start_ns, stop_ns;
+    int64_t tick_ns; /* times are floored to this clock (except for the match); 0: unchanged */
     double isi_floor_s; /* shorter intervals count as this, > 0 */
     double clock_s; /* ISI spike: period of a known clock; 0: find the spikes */
     double fano_bin_s[TIDES_FANO_BINS]; /* lengths of the bins that are counted in [s], > 0 */
@@ -3016,13 +3027,13 @@ class tides_metrics_options(Structure):
     int32_t fano_events_min; /* tiles with fewer events than this, in either stream, are left out */
     double fano_epsilon; /* added to both Fano factors before the logarithm, > 0 */
     double speed_px_per_s; /* Chamfer: v; 0: from the reference */
-    double window_s; /* Chamfer: events of one window are compared */
-    double cell_px; /* Chamfer: edge of the cells of which each keeps one point */
+    double window_s; /* Chamfer: length of the windows whose events are compared */
+    double cell_px; /* Chamfer: edge of a cell, which keeps one point */
     double victor_purpura_per_s; /* cost of shifting an event by a second; adding or removing one costs 1 */
     double van_rossum_s; /* time constant of the filter */
-    double difference_limit_s; /* time difference: longer ones, and missing events, count as this */
+    double difference_limit_s; /* time difference: upper limit, also used for missing events */
     double kernel_px, kernel_s; /* standard deviations of the Gaussian kernel */
-    double match_limit_s; /* as limit_s of tides_match_events */
+    double match_limit_s; /* greatest distance of matched events */
     """
 
     size: int
@@ -3098,9 +3109,9 @@ class tides_stream_metrics(Structure):
     """uint64_t events; /* in the interval and region */
     double on_fraction; /* ON events / events */
     tides_interval_fit intervals[TIDES_PAIRS]; /* by the polarities of the pair */
-    double isi_spike; /* fraction of intervals (any) of at most 1 us or on a clock: lib/metrics/isi_spike.c */
+    double isi_spike; /* fraction of all intervals that are at most 1 us, or at the quanta of a clock */
     double same_time; /* fraction of events that share their tick with another event of the sensor */
-    double same_time_tile; /* of their tile */
+    double same_time_tile; /* fraction of events that share their tick with another event of their tile */
     double fano[TIDES_FANO_BINS]; /* mean Fano factor of the compared tiles: variance of the counts (over n - 1 bins) / mean */
     double van_rossum_norm; /* squared van Rossum distance from no events at all, summed like van_rossum */
     """
@@ -3127,25 +3138,25 @@ class tides_stream_metrics(Structure):
 
 
 class tides_metrics(Structure):
-    """uint32_t computed; /* TIDES_METRIC_*: the rest is NaN and 0 */
+    """uint32_t computed; /* TIDES_METRIC_*; the fields of other families are NaN or 0 */
     int32_t width, height; /* [px] of the sensor, or of the region of interest */
     int64_t start_ns, stop_ns; /* the interval */
     tides_stream_metrics reference, simulated; /* of each stream by itself */
-    double count_ratio; /* simulated / reference events */
-    double count_ratio_on, count_ratio_off; /* of each polarity */
+    double count_ratio; /* events of the simulated stream / of the reference */
+    double count_ratio_on, count_ratio_off; /* the same for each polarity */
     double rate_error[TIDES_FANO_BINS]; /* sum over bins of time, each as long as the Fano factor's, of the whole sensor's
     |simulated - reference| events, over the reference's events: 0 equal rates */
-    double region_error; /* the same over tiles of fano_tile_px in place of bins */
-    double count_correlation; /* Pearson's, of events per pixel; NaN where either stream has the same count everywhere */
+    double region_error; /* the same sum over tiles of fano_tile_px, over the reference's events */
+    double count_correlation; /* Pearson's correlation of events per pixel; NaN if either count is the same everywhere */
     /* Negative log-likelihood of the reference's intervals [nats per interval, tau in seconds] under the fit to the simulated
     * ones, and under their own fit; excess is the difference: the Kullback-Leibler divergence of the fits, free of units, not
     * negative. NaN under 2 simulated intervals or 1 of the reference. Blind to batching shorter than the intervals. */
     double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS]; /* as above */
-    double isi_w1; /* Wasserstein-1 distance of log10 intervals (any) [decades] */
-    double isi_w1_after[2]; /* of those whose first event is OFF, ON */
+    double isi_w1; /* Wasserstein-1 distance of log10 of all intervals [decades] */
+    double isi_w1_after[2]; /* the same for intervals whose first event is OFF, ON */
     double fano_error[TIDES_FANO_BINS]; /* mean |ln((F_simulated + epsilon) / (F_reference + epsilon))| over the tiles */
     uint64_t fano_tiles[TIDES_FANO_BINS]; /* tiles compared */
-    double fano_coverage[TIDES_FANO_BINS]; /* of the reference's tiles with enough events */
+    double fano_coverage[TIDES_FANO_BINS]; /* compared tiles / tiles of the reference with enough events */
     /* Events as points (x, y, v t), each polarity and window by itself, one point per cell (the mean of its events);
     * distances to the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the
     * terms with their numbers of points. A term with one stream empty counts as the limit. */
@@ -3155,17 +3166,17 @@ class tides_metrics(Structure):
     double chamfer_fraction; /* of the diagonal */
     double chamfer_limit_px; /* min(v window, diagonal) */
     double chamfer_to_simulated_px, chamfer_to_reference_px; /* means of all points of the reference, of the simulated stream */
-    uint64_t chamfer_terms, chamfer_one_sided; /* windows of a polarity; windows with one stream empty */
+    uint64_t chamfer_terms, chamfer_one_sided; /* terms: windows of a polarity; those in which one stream is empty */
     /* Spike-train distances between the trains of each pixel and polarity, summed. */
     double victor_purpura; /* least cost of turning one train into the other */
     double victor_purpura_fraction; /* of the cost of removing and adding everything: 0 identical, 1 nothing near */
     double van_rossum; /* squared: sum of w_i w_j exp(-|t_i - t_j| / tau), w = 1 and -1 */
     double van_rossum_fraction; /* of the two norms' sum: 0 identical, 1 nothing near */
     double time_difference_us; /* mean over the reference's events (V2CE, stage 2), at most difference_limit_s */
-    uint64_t time_difference_over; /* events with a longer one, or with none */
+    uint64_t time_difference_over; /* events above the limit, or without any counterpart */
     double kernel_distance; /* squared distance of the streams under the Gaussian kernel, polarity as sign */
     tides_match match; /* pairs of events */
-    double matched_share; /* 2 pairs / events of both streams: 1 where each has its counterpart within the limit */
+    double matched_share; /* 2 pairs / events of both streams: 1 if every event has its counterpart within the limit */
     """
 
     computed: int
@@ -3250,14 +3261,14 @@ class tides_metrics(Structure):
 
 
 class tides_metric(Structure):
-    """const char *name; /* as the tool's JSON has it: "chamfer_px" */
-    const char *family; /* of --only: "chamfer" */
-    uint32_t wanted; /* TIDES_METRIC_* that it is computed with */
+    """const char *name; /* as in the tool's JSON: "chamfer_px" */
+    const char *family; /* as in --only: "chamfer" */
+    uint32_t wanted; /* TIDES_METRIC_* of its family */
     const char *unit, *sentence; /* "px", or "" */
     int32_t better; /* TIDES_BETTER_* */
     int32_t of, repeats; /* TIDES_OF_*; TIDES_REPEATS_* */
     int32_t is_real; /* 1: double; 0: uint64_t */
-    size_t offset, stride; /* of its field, and from one of several to the next [bytes] */
+    size_t offset, stride; /* of its field; between repeated fields [bytes] */
     """
 
     name: bytes | None
@@ -3291,7 +3302,7 @@ class tides_blemishes(Structure):
     """int64_t *burst; /* (bursts x 2): [start, stop) in ns, ascending, apart */
     uint16_t *hot; /* (hots x 2): x, y, row by row */
     size_t bursts, hots; /* numbers of bursts and of hot pixels */
-    uint64_t burst_events, hot_events; /* of the recording: in bursts; of hot pixels outside of them */
+    uint64_t burst_events, hot_events; /* of the recording: in bursts; of hot pixels outside bursts */
     """
 
     burst: Any
@@ -3359,11 +3370,11 @@ class tides_page_options(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t width, height; /* of the sensor [px]; 0: what the file says, else what the events reach */
     int64_t start_ns, stop_ns; /* events with start <= t < stop are shown */
-    int64_t window_ns; /* how long the window of time is at first; 0: a fiftieth of all that is shown */
-    uint64_t most; /* events at most: the page ends where there are more, and the report and the page say so */
+    int64_t window_ns; /* first length of the window of time; 0: a fiftieth of the shown stretch */
+    uint64_t most; /* at most this many events are shown; the page and the report say so if there are more */
     const char *title; /* NULL: the name of the file that is read */
     const char *format; /* of the file that is read; NULL: by content */
-    const struct tides_event_reading *reading; /* how it is read; NULL: as `format` says */
+    const struct tides_event_reading *reading; /* options of reading; NULL: as `format` says */
     """
 
     size: int
@@ -3396,7 +3407,7 @@ class tides_page_report(Structure):
     int64_t start_ns, stop_ns; /* the stretch that the page shows */
     int32_t width, height; /* of the sensor [px] */
     int32_t truth; /* 1: with ground truth */
-    int32_t ended; /* 1: there are more events from stop_ns on, which were too many */
+    int32_t ended; /* 1: there were too many events; those from stop_ns on aren't shown */
     """
 
     events: int
@@ -3419,9 +3430,9 @@ class tides_page_report(Structure):
 
 
 class tides_run_input(Structure):
-    """const char *key; /* of the run file: "scene.objects" */
-    const char *path; /* resolved against the run file */
-    int32_t folder; /* 1: a folder, and what lies below it */
+    """const char *key; /* key of the run file: "scene.objects" */
+    const char *path; /* resolved against the folder of the run file */
+    int32_t folder; /* 1: a folder, with everything in it */
     int32_t reserved;
     """
 
@@ -3439,9 +3450,9 @@ class tides_run_input(Structure):
 
 
 class tides_fingerprint(Structure):
-    """uint64_t hash; /* FNV-1a of 64 bits, of what is said below */
-    uint64_t files; /* looked at */
-    uint64_t bytes; /* of all of them */
+    """uint64_t hash; /* FNV-1a, 64 bits */
+    uint64_t files; /* number of files */
+    uint64_t bytes; /* total size */
     uint64_t largest; /* of the largest one [bytes] */
     """
 
@@ -3460,13 +3471,13 @@ class tides_fingerprint(Structure):
 
 class tides_live_options(Structure):
     """uint32_t size;
-    int32_t camera; /* 1: it is told where it is; 0: it follows the run's path */
-    const int32_t *objects; /* numbers of objects of the session's scene that are told where they are; */
-    size_t object_count; /* the others follow their paths. NULL where it is 0 */
-    double stop; /* [s] the run's end, where the last step ends; NaN: as far as poses are told */
-    double most_speed; /* [scene units/s] a pose that needs more than that from the one before is a jump, and refused; */
-    double most_turn_rate; /* [rad/s] and so here; 0: any speed, and turns below 179 degrees */
-    int32_t keep; /* 1: what was told is kept, for tides_live_path; 0: it is forgotten once it isn't needed */
+    int32_t camera; /* 1: the caller gives its poses; 0: it follows the run's path */
+    const int32_t *objects; /* (object_count) numbers of the scene's objects that get poses from the caller; */
+    size_t object_count; /* the others follow their paths. NULL if it is 0 */
+    double stop; /* [s] the run's end, where the last step ends; NaN: as far as there are poses */
+    double most_speed; /* [scene units/s] a pose that needs a higher speed is refused as a jump; 0: none */
+    double most_turn_rate; /* [rad/s] the same for turns; 0: any turn below 179 degrees */
+    int32_t keep; /* 1: all poses are kept, for tides_live_path; 0: they are forgotten once they aren't needed */
     int32_t reserved;
     """
 
@@ -3495,12 +3506,13 @@ class tides_live_options(Structure):
 
 class tides_exact_options(Structure):
     """uint32_t size;
-    int32_t in_double; /* 1: on the double-precision reference, whatever the device: slow */
-    double first_step_s; /* images without jumps: longest step of the first level [s]; 0: an eighth of 10 ms or of the run */
-    double last_tolerance; /* likewise: no level is asked for less [thresholds]; 0: what the precision lets it see */
-    double first_rate, least_rate, last_rate; /* images that jump: equal steps per second, the first level's, and what the last
-    one has at least and at most [Hz]; 0: by long_renders, twice that, 512 kHz */
-    double long_renders; /* no level comes after one of so many full renders (but up to least_rate); 500 */
+    int32_t in_double; /* 1: in double precision, whatever the device: slow */
+    double first_step_s; /* continuous images: longest step of the first level [s]; 0: an eighth of 10 ms or of the run */
+    double last_tolerance; /* continuous images: least tolerance of a level [thresholds]; 0: as low as the precision allows */
+    /* images with jumps: steps per second of the first level; the least and the most of the last level [Hz]; 0: from
+    * long_renders, twice that, 512 kHz */
+    double first_rate, least_rate, last_rate;
+    double long_renders; /* the last level is the first with so many full renders (but at least least_rate); 500 */
     """
 
     size: int
@@ -3526,11 +3538,11 @@ class tides_exact_options(Structure):
 
 class tides_exact(Structure):
     """tides_event *events; /* (count), in order; the caller frees them with tides_free */
-    size_t count; /* of events */
-    double steps_per_s; /* of the last level; 0: straight lines between frames, which are in closed form */
-    double tolerance; /* finer by tile where this asks for it [thresholds]; 0: equal steps */
-    tides_match moved; /* how the last level differs from the one before, whose steps were twice as long */
-    double worst_residual; /* tides_stats's */
+    size_t count; /* number of events */
+    double steps_per_s; /* steps per second of the last level; 0: straight lines between frames, solved in closed form */
+    double tolerance; /* of the last level [thresholds]; 0: equal steps */
+    tides_match moved; /* how the last level differs from the one before, with steps twice as long */
+    double worst_residual; /* worst_residual of tides_stats */
     double renders; /* of the last level, in full frames */
     """
 

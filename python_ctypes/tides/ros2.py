@@ -41,9 +41,9 @@ from .session import Session
 from .trajectory import Trajectory
 
 _SECOND = 1_000_000_000
-DEPTH = 10  # ROS' default: so many messages are kept
+DEPTH = 10  # messages that a queue keeps; ROS' default
 PERIOD_S = 0.01  # of packets, along the run's own path
-GAP_S = 60.0  # between poses, at most: clocks that disagree would ask for years of events
+GAP_S = 60.0  # between poses, at most: where clocks disagree, a run of years would begin
 POSE, TWIST = "geometry_msgs::msg::dds_::PoseStamped_", "geometry_msgs::msg::dds_::TwistStamped_"
 
 # #: Cyclone's settings for runs that only this machine receives.
@@ -186,13 +186,13 @@ def _inertial(session: Session) -> list[tuple[float, Any, Any]]:
 
 
 class Follower:
-    """A live run whose camera is where PoseStamped messages say, and with `twists` as fast as the TwistStamped of the same stamp says, in
-    world axes. `axes`: which way the frame looks that is told, a key of CAMERA_AXES. The first pose is where the run begins; its
-    stamp is the run's time.start, and events have stamps of the same clock. A pose that can't be, or is more than `gap_s` after the one
-    before, is left out with a warning."""
+    """A live run whose camera has the poses of PoseStamped messages. With `twists` its velocities are those of the TwistStamped of the
+    same stamp, in world axes. `axes`: the axes of the poses, a key of CAMERA_AXES. The run begins at the first pose, whose stamp
+    becomes time.start; stamps of events are of the same clock. An invalid pose, or one more than `gap_s` after the pose before, is
+    left out with a warning."""
 
     def __init__(self, node: Node, twists: bool = False, axes: str = "opencv", gap_s: float = GAP_S, **how: Any):
-        camera_quaternion((1, 0, 0, 0), axes)  # refuses a name that isn't one
+        camera_quaternion((1, 0, 0, 0), axes)  # raises for an unknown name
         self.node, self.axes, self.gap_s, self._twisted = node, axes, gap_s, twists
         self.live = Live(node.session, **how)
         self._poses = node.bus.reader(f"{node.name}/pose", messages.PoseStamped)
@@ -238,7 +238,7 @@ class Follower:
             events = self._tell(ns, told)
         except OutOfRange:  # the scene's motion ends, and so does the run
             raise
-        except (BadArgument, ValueError) as error:  # then nothing was told: NaN, no rotation, half a turn, a jump
+        except (BadArgument, ValueError) as error:  # NaN, no rotation, half a turn, a jump: the run is unchanged
             warn(f"pose at {ns / _SECOND:.9g} s is left out: {error}")
             events = None
         if events is None:
@@ -248,7 +248,7 @@ class Follower:
         return len(events)
 
     def _tell(self, ns: int, told: tuple[Any, ...]) -> np.ndarray | None:
-        """The events up to a pose; None of the first, which is where the run begins, and of one that is left out."""
+        """Moves to a pose and returns the events up to it; None for the first pose, at which the run begins."""
         if self._first is None:
             self.live.tell(told, self.live.time)
             self._first, self.node.shift_ns = ns, ns - round(_SECOND * self.live.time)
@@ -301,7 +301,7 @@ def follow(follower: Follower, silence_s: float | None) -> int:
 
 
 def check(given: argparse.Namespace) -> None:
-    """ValueError: an option that can't be."""
+    """Raises ValueError for an option out of range."""
     for name, value, fine in [
         ("speed", given.speed, given.speed >= 0), ("images", given.images, given.images >= 0), ("period", given.period, given.period > 0),
         ("gap", given.gap, given.gap > 0), ("silence", given.silence or 0.0, given.silence is None or given.silence > 0),

@@ -1,7 +1,7 @@
 """Latency of events from a writer to a reader in another process, and how many arrive: python -m tides.ros2_bench
 
-Packets of 1 ms are made as a run sends them, at a few rates, over the loopback interface. Latency is from before a packet is encoded to
-after it was read there; both processes have this machine's clock. `tides bench live` has these rows in its table."""
+Packets of 1 ms are sent in real time, at a few rates of events, over the loopback interface. Latency is from before a packet is
+encoded until it has been read; both processes have this machine's clock. `tides bench live` has these rows in its table."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .ros2 import Bus
 DOMAIN, PACKET_S, PACKETS = 78, 1e-3, 1000
 RATES = (1e5, 1e6, 5e6)  # [events/s]
 TOPIC = "bench/events"
-LONGEST_S = 60.0  # that a listener is waited for
+LONGEST_S = 60.0  # how long a listener is waited for
 
 
 def listen() -> None:
@@ -36,13 +36,13 @@ def listen() -> None:
                 continue
             if one.height == 0:
                 return print(json.dumps([latencies, size]))
-            latencies.append(1e-9 * (now - one.time_base))  # a field that EVT 3 doesn't use
+            latencies.append(1e-9 * (now - one.time_base))  # EVT 3 doesn't use this field, which has the time of sending [ns]
             size += len(one.events)
         time.sleep(1e-4)
 
 
 def _send(writer: Any, rate: float, packets: int) -> float:
-    """Sends them in real time: how long it took [s]."""
+    """Sends packets of random events in real time. Returns how long it took [s]."""
     random, count = np.random.default_rng(1), int(rate * PACKET_S)
     t = np.sort(random.integers(0, int(1e9 * PACKET_S), count))
     x, y = random.integers(0, 640, count).astype("u2"), random.integers(0, 480, count).astype("u2")
@@ -57,10 +57,10 @@ def _send(writer: Any, rate: float, packets: int) -> float:
 
 
 def measure(rate: float, packets: int = PACKETS) -> dict[str, Any]:
-    """One rate of events: packets sent and lost, events sent, seconds that it took, latencies `ms`, sorted, and that of the first."""
+    """Sends `packets` packets at a `rate` [events/s]. `ms` of the result are sorted latencies; `first_ms` is that of the first packet."""
     listener = subprocess.Popen([sys.executable, "-m", "tides.ros2_bench", "listen"], stdout=subprocess.PIPE, text=True)
     try:
-        bus = Bus(DOMAIN, loopback=True)  # which ends what was made of it when it goes
+        bus = Bus(DOMAIN, loopback=True)  # kept as long as its writer: its end ends the writer
         writer, until = bus.writer(TOPIC, messages.EventPacket, 1000), time.monotonic() + LONGEST_S
         while not writer.get_matched_subscriptions():
             if time.monotonic() > until or listener.poll() is not None:

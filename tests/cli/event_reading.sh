@@ -57,8 +57,8 @@ printf '\xff\xfe{\0}\0' >wide.json # as PowerShell's > writes
 refuse 1 "wide.json: is text in UTF-16, not a run file: save it as UTF-8" tides simulate wide.json -o x.h5
 mkdir bag2
 echo 'rosbag2_bagfile_information:' >bag2/metadata.yaml
-refuse 1 "bag2: is the folder of a ROS 2 bag.*rosbags" tides info bag2
-refuse 1 "bag2: is the folder of a ROS 2 bag.*rosbags" tides convert bag2 x.csv
+refuse 1 "bag2: is the folder of a ROS 2 bag.*python -m tides.bag bag2 FOLDER" tides info bag2
+refuse 1 "bag2: is the folder of a ROS 2 bag.*python -m tides.bag bag2 FOLDER" tides convert bag2 x.csv
 echo '[{"img_name": "a"}]' >list.json # a list isn't a preset
 refuse 1 "list.json" tides info list.json
 

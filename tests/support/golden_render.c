@@ -7,6 +7,7 @@
 
 #include "motion/td_activate.h"
 #include "render/td_renderer.h"
+#include "render/td_transfer.h"
 
 #include "tests/support/golden_render.h"
 #include "tests/support/scene_folder.h"
@@ -154,6 +155,10 @@ static void adjust(const golden_file *file, td_image *image) {
 }
 
 td_image_numbers golden_image(const golden_file *file, int sh_degree, int outputs) {
+    return golden_coded_image(file, sh_degree, outputs, TIDES_TRANSFER_LINEAR, 1);
+}
+
+td_image_numbers golden_coded_image(const golden_file *file, int sh_degree, int outputs, int32_t transfer, double gamma) {
     const golden_mode *mode = find_mode(file->mode);
     const double *k = golden_reals(file, "K"), *weight = golden_reals(file, "lum_w");
     tides_intrinsics camera = {file->width, file->height, k[0], k[4], k[2], k[5], {0}};
@@ -167,6 +172,7 @@ td_image_numbers golden_image(const golden_file *file, int sh_degree, int output
     for (int c = 0; c < 3; c++) params.luminance[c] = weight[c];
     scene_expect_ok(td_image_resolve(&params, &camera, sh_degree, &image, &error), &error);
     adjust(file, &image);
+    td_image_set_transfer(transfer, gamma, &image);
     image.objects = 1;
     image.moving = 1;
     image.outputs = outputs;

@@ -29,8 +29,9 @@ td_store golden_store(const golden_file *file, int time, int sh_degree);
 void golden_view(const golden_file *file, int time, double view[TD_VIEW_REALS]);
 void golden_backdrop(const golden_file *file, int time, double backdrop[TD_BACKDROP_REALS]);
 
-/* The file's mode as our numbers. */
+/* The file's mode as our numbers; golden_coded_image: of colours that are of light what TIDES_TRANSFER_* says. */
 td_image_numbers golden_image(const golden_file *file, int sh_degree, int outputs);
+td_image_numbers golden_coded_image(const golden_file *file, int sh_degree, int outputs, int32_t transfer, double gamma);
 
 /* Per-Gaussian quantities: where each begins in a golden_splat. */
 enum {

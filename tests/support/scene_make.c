@@ -4,10 +4,15 @@
 #include "scene_folder.h"
 
 #include <math.h>
+#include <setjmp.h>
 #include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <cmocka.h>
 
 enum { PROPERTIES_MAX = 128 };
 
@@ -104,6 +109,32 @@ void scene_save(const tides_scene *scene, const char *path) {
 void scene_load(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale) {
     tides_error error = {0, ""};
     scene_expect_ok(tides_scene_add_file(scene, path, trajectory, scale, &error), &error);
+}
+
+static void expect_srgb(const tides_scene *scene, const char *file) {
+    int32_t transfer;
+    double gamma;
+    tides_error error = {0, ""};
+    scene_expect_ok(tides_scene_transfer(scene, &transfer, &gamma, &error), &error);
+    if (transfer != TIDES_TRANSFER_SRGB) fail_msg("%s: transfer %d", file, (int)transfer);
+}
+
+void scene_is_srgb(const tides_scene *scene, const char *folder) {
+    tides_scene_format format;
+    tides_error error = {0, ""};
+    expect_srgb(scene, folder);
+    for (size_t i = 0; tides_scene_format_at(i, &format); i++) {
+        char file[1200];
+        snprintf(file, sizeof file, "%s/coded%.*s", folder, (int)strcspn(format.endings, " "), format.endings);
+        if (!format.writes) continue;
+        if (scene_object_of(scene, 0).motion && tides_scene_save(scene, file, &error) == TIDES_UNSUPPORTED) continue;
+        tides_scene *again = scene_new();
+        scene_save(scene, file);
+        scene_load(again, file, NULL, 1);
+        expect_srgb(again, file);
+        tides_scene_destroy(again);
+        remove(file);
+    }
 }
 
 tides_trajectory *scene_path(int rates) {

@@ -46,6 +46,10 @@ tides_object scene_object_of(const tides_scene *scene, int32_t index);
 void scene_save(const tides_scene *scene, const char *path);
 void scene_load(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale);
 
+/* A scene from a file without a place for what its colours are of light: they are srgb, also where the scene is saved in the
+ * folder, as each format that can hold it, and read again. */
+void scene_is_srgb(const tides_scene *scene, const char *folder);
+
 /* A path of four samples that moves and turns, with rates of its own or without. */
 tides_trajectory *scene_path(int rates);
 

@@ -95,12 +95,12 @@ static void test_times(void **state) {
     for (size_t k = 0; k < sizeof lags / sizeof *lags; k++) {
         double lag = lags[k] * noise.spacing_ns;
         for (uint32_t p = 0; p < PIXELS; p++) product[p] = noise_at(&noise, p, at) * noise_at(&noise, p, at + lag);
-        expect_mean(product, PIXELS, rms * rms * exp(-lags[k] / 8), "covariance at a lag");
+        expect_mean(product, PIXELS, rms * rms * exp(-lags[k] / 2), "covariance at a lag");
     }
     for (size_t k = 2; k < sizeof lags / sizeof *lags; k++) { /* see td_noise_bridge.h for shorter ones */
         double lag = lags[k] * noise.spacing_ns;
         for (uint32_t p = 0; p < PIXELS; p++) product[p] = pow(noise_at(&noise, p, at + lag) - noise_at(&noise, p, at), 2);
-        expect_mean(product, PIXELS, 2 * rms * rms * (1 + excess - exp(-lags[k] / 8)), "variance of a change");
+        expect_mean(product, PIXELS, 2 * rms * rms * (1 + excess - exp(-lags[k] / 2)), "variance of a change");
     }
     for (uint32_t p = 0; p < PIXELS; p++) product[p] = noise_at(&noise, p, at) * noise_at(&noise, p + 1, at);
     expect_mean(product, PIXELS, 0, "covariance of neighbours");

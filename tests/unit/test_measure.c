@@ -95,10 +95,8 @@ static void a_sensor_in_other_methods_parameters(void **state) {
         if (i == 0) assert_true(b->esim.contrast_threshold_pos == 0.5 && b->esim.contrast_threshold_neg == 0.3);
         if (i == 0) assert_true(b->esim.contrast_threshold_sigma_pos == 0 && b->esim.refractory_period_ns == 1e6);
         if (i == 0) assert_true(b->esim.log_eps == 0.05);
-        if (i == 1)
-            assert_true(fabs(b->v2e.pos_thres - 0.5 * 0.23 / 0.18) < 1e-9 &&
-                        fabs(b->v2e.sigma_thres - 0.02 * 0.23 / 0.18) < 1e-9);
-        if (i == 1) assert_true(fabs(b->v2e.cutoff_hz * (255 * 0.18 + 20) / 275 - 50) < 1e-6 && b->v2e.leak_rate_hz == 3);
+        if (i == 1) assert_true(b->v2e.pos_thres == 0.5 && b->v2e.sigma_thres == 0.02 && fabs(b->v2e.added_dn - 12.75) < 1e-9);
+        if (i == 1) assert_true(fabs(b->v2e.cutoff_hz * (255 * 0.23 + 20) / 275 - 50) < 1e-6 && b->v2e.leak_rate_hz == 3);
         if (i == 1) assert_true(b->v2e.shot_noise_rate_hz == 4 && b->v2e.refractory_period == 1e-3);
         if (i == 2) assert_true(b->voltmeter.k1 == 2.5 && b->voltmeter.k2 == 12.75 && fabs(b->voltmeter.k4 - 1e-7) < 1e-15);
         if (i == 2) assert_true(b->voltmeter.k3 == 0 && b->voltmeter.k5 == 0 && fabs(b->voltmeter.k6 - 2e-3) < 1e-12);

@@ -96,13 +96,44 @@ static void test_normals(void **state) {
     assert_true(worst < 4 * DBL_EPSILON);
 }
 
+/* In single precision, against the long double functions of libm; all ends of both ranges included, where they stay finite. */
+static void test_short(void **state) {
+    (void)state;
+    const long double two_pi = 6.283185307179586476925286766559L;
+    static double normal[DRAWS], exponential[DRAWS];
+    double worst = 0;
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        td_random_bits bits = td_random(3, i, 0, TD_RANDOM_NOISE);
+        const int half = (int)(i / 2 % 2);
+        float pair[2];
+        td_random_short_normals(&bits, half, pair);
+        normal[i] = (double)pair[i & 1];
+        exponential[i] = td_random_short_exponential(&bits, half);
+        if (i % 8 == 0) bits.word[2 * half] = i % 16 ? ~0u << i % 31 : ~0u >> i % 32; /* near an end, by powers of 2 */
+        if (i % 16 == 8) bits.word[2 * half + 1] = i % 32 == 8 ? ~0u << i % 31 : 1u << i % 31;
+        td_random_short_normals(&bits, half, pair);
+        const long double u = (long double)(float)((double)(float)(bits.word[2 * half] >> 1) + 0.5) * 0x1p-31L;
+        const long double radius = sqrtl(-2 * logl(u)), turn = (long double)(int32_t)bits.word[2 * half + 1] * 0x1p-32L;
+        const long double angle = two_pi * turn;
+        worst = fmax(worst, (double)fabsl((long double)pair[0] + radius * cosl(angle)));
+        worst = fmax(worst, (double)fabsl((long double)pair[1] + radius * sinl(angle)));
+        worst = fmax(worst, (double)fabsl((long double)td_random_short_exponential(&bits, half) + logl(u)) / 22);
+        assert_true(isfinite(pair[0]) && isfinite(pair[1]) && fabsf(pair[0]) < 6.7f && fabsf(pair[1]) < 6.7f);
+    }
+    printf("short normals: off by %.2g at most\n", worst);
+    assert_true(worst < 2e-6);
+    check_moments("short normal", normal, 0, 1, 3);
+    check_moments("short exponential", exponential, 1, 1, 9);
+}
+
 /* In lanes, to the bit what they are one by one. */
 static void test_lanes(void **state) {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
         uint32_t pixel[TD_RANDOM_LANES];
         uint64_t index[TD_RANDOM_LANES];
-        double uniform[TD_RANDOM_LANES], first[TD_RANDOM_LANES], second[TD_RANDOM_LANES];
+        double uniform[TD_RANDOM_LANES];
+        float four[4][TD_RANDOM_LANES];
         for (uint32_t k = 0; k < TD_RANDOM_LANES; k++) {
             pixel[k] = i * k;
             index[k] = ((uint64_t)k << 33) + i;
@@ -110,22 +141,25 @@ static void test_lanes(void **state) {
         td_random_lanes lanes;
         td_random_many(i, pixel, index, TD_RANDOM_NOISE, &lanes);
         td_random_uniforms_many(&lanes, uniform);
-        td_random_normals_many(&lanes, first, second);
+        td_random_short_normals_many(&lanes, four);
         for (int k = 0; k < TD_RANDOM_LANES; k++) {
             td_random_bits bits = td_random(i, pixel[k], index[k], TD_RANDOM_NOISE);
-            double normal[2];
-            td_random_normals(&bits, normal);
+            float normal[4];
+            for (int half = 0; half < 2; half++) td_random_short_normals(&bits, half, normal + 2 * half);
             for (int w = 0; w < 4; w++) assert_int_equal(lanes.word[w][k], bits.word[w]);
             assert_true(uniform[k] == td_random_uniform(&bits, 0));
-            assert_true(first[k] == normal[0]);
-            assert_true(second[k] == normal[1]);
+            for (int n = 0; n < 4; n++) assert_true(four[n][k] == normal[n]);
         }
     }
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_published_values), cmocka_unit_test(test_arguments_matter),
-                                       cmocka_unit_test(test_distributions),    cmocka_unit_test(test_uniform_ends),
-                                       cmocka_unit_test(test_normals),          cmocka_unit_test(test_lanes)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_published_values),
+                                       cmocka_unit_test(test_arguments_matter),
+                                       cmocka_unit_test(test_distributions),
+                                       cmocka_unit_test(test_uniform_ends),
+                                       cmocka_unit_test(test_normals),
+                                       cmocka_unit_test(test_short),
+                                       cmocka_unit_test(test_lanes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -144,6 +144,7 @@ static void harmonics(void **state) {
     free(env.data);
     tides_scene *scene = scene_new();
     scene_load(scene, scene_in_folder(*state, "a.lcc"), NULL, 1);
+    scene_is_srgb(scene, *state);
     const tides_object object = scene_object_of(scene, 0);
     const tides_gaussians *g = &object.gaussians;
     assert_int_equal(g->count, 4);

@@ -362,6 +362,7 @@ static void expect_kind(void *folder, const char *name, const scene_bytes *b, in
     assert_int_equal(tides_scene_count(scene), count);
     scene_expect_ok(tides_scene_object(scene, 0, &object, &error), &error);
     assert_string_equal(object.source, path);
+    scene_is_srgb(scene, folder);
     const char *copy = scene_in_folder(folder, "copy.ply"); /* and every kind can be written again */
     scene_save(scene, copy);
     tides_scene *again = scene_new();

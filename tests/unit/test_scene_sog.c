@@ -233,6 +233,7 @@ static void kinds(void **state) {
         tides_scene *scene = scene_new();
         assert_int_equal(tides_scene_is_file(paths[i]), 1);
         scene_load(scene, paths[i], NULL, 1);
+        scene_is_srgb(scene, *state);
         tides_object object = scene_object_of(scene, 0);
         check_values(&object.gaussians, 2);
         tides_scene_destroy(scene);
@@ -333,6 +334,7 @@ static void streamed(void **state) {
         tides_scene *scene = scene_new();
         assert_int_equal(tides_scene_is_file(paths[k]), 1);
         scene_load(scene, paths[k], NULL, 1);
+        scene_is_srgb(scene, *state);
         tides_gaussians g = scene_object_of(scene, 0).gaussians, first = g;
         assert_int_equal(g.count, 3 * COUNT);
         assert_int_equal(g.sh_degree, 2);

@@ -109,6 +109,7 @@ static void values(void **state) {
     for (size_t f = 0; f < 2; f++) {
         tides_scene *scene = scene_new();
         scene_load(scene, put_file(state, "a.splatv", &files[f], files[f].size), NULL, 1);
+        scene_is_srgb(scene, *state);
         const tides_object object = scene_object_of(scene, 0);
         assert_int_equal(object.gaussians.count, COUNT);
         assert_string_equal(object.name, "a");

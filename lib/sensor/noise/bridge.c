@@ -1,11 +1,14 @@
 /* Additive noise between the points of its grid: a tree of parts, drawn only where the noise may come near a level. */
 #include "td_noise_bridge.h"
 
+#include "td_extremes.h"
 #include "td_math.h"
 
+#include <float.h>
 #include <math.h>
 
-enum { DEPTH_MIN = 1 };
+/* Parts of tau / 16 at most: longer ones wander too much between their corners (td_noise_bridge.h). */
+enum { DEPTH_MIN = 3 };
 
 /* Greatest standard deviation of the shortest parts, as a share of the threshold. */
 static const double finest = 0.25;
@@ -21,6 +24,7 @@ static const double q_max = 12;
 typedef struct part {
     uint32_t node; /* 1: the segment; 2 n and 2 n + 1: the halves of n */
     int depth;     /* of the node in the tree */
+    float normal;  /* of its middle, where the depth is odd */
     double from_ns, to_ns, begin, end, low, high;
 } part;
 
@@ -73,12 +77,12 @@ static const td_additive_noise *here(const td_additive_noise *noise, const td_no
 static void bound(const td_additive_noise *noise, part *p, double low, double high) {
     const double change = p->end - p->begin, sum = p->begin + p->end;
     const double w = sqrt(change * change + 2 * q_max * noise->level[p->depth].variance);
-    p->low = fmax(0.5 * (sum - w), low);
-    p->high = fmin(0.5 * (sum + w), high);
+    p->low = td_greater(0.5 * (sum - w), low);
+    p->high = td_lesser(0.5 * (sum + w), high);
 }
 
 static part whole(const td_additive_noise *noise, const td_noise_segment *segment) {
-    part p = {1, 0, segment->from_ns, segment->to_ns, segment->begin, segment->end, 0, 0};
+    part p = {1, 0, 0, segment->from_ns, segment->to_ns, segment->begin, segment->end, 0, 0};
     bound(noise, &p, -INFINITY, INFINITY);
     return p;
 }
@@ -87,15 +91,20 @@ static td_random_bits bits_of(const td_additive_noise *noise, uint32_t pixel, ui
     return td_random(noise->seed, pixel, k, TD_RANDOM_NOISE_BRIDGE | p->node << TD_RANDOM_PURPOSE_BITS);
 }
 
+/* A part of even depth draws the middles of its halves with its own. */
 static void halve(const td_additive_noise *noise, uint32_t pixel, uint64_t k, const part *p, part half[2]) {
     const td_noise_level *level = &noise->level[p->depth];
     const double middle_ns = 0.5 * (p->from_ns + p->to_ns);
-    double normal[2];
-    td_random_bits bits = bits_of(noise, pixel, k, p);
-    td_random_normals(&bits, normal);
-    double middle = fmin(fmax(level->mean * (p->begin + p->end) + level->change * normal[0], p->low), p->high);
-    half[0] = (part){2 * p->node, p->depth + 1, p->from_ns, middle_ns, p->begin, middle, 0, 0};
-    half[1] = (part){2 * p->node + 1, p->depth + 1, middle_ns, p->to_ns, middle, p->end, 0, 0};
+    float normal[4] = {p->normal};
+    if (p->depth % 2 == 0) {
+        const td_random_bits bits = bits_of(noise, pixel, k, p);
+        td_random_short_normals(&bits, 0, normal);
+        if (p->depth + 1 < noise->depth) td_random_short_normals(&bits, 1, normal + 2);
+    }
+    const double free = level->mean * (p->begin + p->end) + level->change * (double)normal[0];
+    const double middle = td_lesser(td_greater(free, p->low), p->high);
+    half[0] = (part){2 * p->node, p->depth + 1, normal[1], p->from_ns, middle_ns, p->begin, middle, 0, 0};
+    half[1] = (part){2 * p->node + 1, p->depth + 1, normal[2], middle_ns, p->to_ns, middle, p->end, 0, 0};
     bound(noise, &half[0], p->low, p->high);
     bound(noise, &half[1], p->low, p->high);
 }
@@ -116,10 +125,10 @@ static void find_corners(const td_additive_noise *noise, uint32_t pixel, uint64_
     const double v = noise->level[p->depth].variance;
     const int low_first = change >= 0;
     double extreme[2]; /* minimum, maximum */
-    td_random_bits bits = bits_of(noise, pixel, k, p);
+    const td_random_bits bits = bits_of(noise, pixel, k, p);
     for (int i = 0; i < 2; i++) {
-        const double w = sqrt(change * change + 2 * v * fmin(td_random_exponential(&bits, i), q_max));
-        extreme[i] = i == 0 ? fmax(0.5 * (sum - w), p->low) : fmin(0.5 * (sum + w), p->high);
+        const double w = sqrt(change * change + 2 * v * td_lesser(td_random_short_exponential(&bits, i), q_max));
+        extreme[i] = i == 0 ? td_greater(0.5 * (sum - w), p->low) : td_lesser(0.5 * (sum + w), p->high);
     }
     c->value[0] = p->begin;
     c->value[1] = extreme[!low_first];
@@ -153,11 +162,26 @@ static double place_of(const td_noise_search *search, double time_ns) {
     return td_place_of(time_ns, search->start_ns, search->length_ns);
 }
 
+static int is_cubic(const td_response *response) {
+    return response->modes == 0 && !response->pieces && !response->source.frontend;
+}
+
+/* 1: the cubic's control values on [from, to] are between both by more than their rounding. */
+static int stays_within(const td_model *cubic, double bottom, double top, double from, double to) {
+    const td_model within = td_model_part(cubic, from, to);
+    const double *b = cubic->control, *c = within.control;
+    const double slack = 16 * DBL_EPSILON * td_greater(td_greater(fabs(b[0]), fabs(b[1])), td_greater(fabs(b[2]), fabs(b[3])));
+    const double low = td_lesser(td_lesser(c[0], c[1]), td_lesser(c[2], c[3]));
+    const double high = td_greater(td_greater(c[0], c[1]), td_greater(c[2], c[3]));
+    return low - slack > bottom && high + slack < top;
+}
+
 /* 0: the response with any noise in [low, high] reaches no level on [from, to]. 1: it may, but not before *s. */
 static int may_reach(const td_noise_search *search, double low, double high, double from, double to, double *s) {
     const double top = search->reference + search->on - high, bottom = search->reference - search->off - low;
     *s = from;
     if (search->low > bottom && search->high < top) return 0;
+    if (is_cubic(search->response)) return !stays_within(&search->response->cubic, bottom, top, from, to);
     /* 1 where only a crossing search can tell: the levels leave no room, or the signal hardly moves. */
     if (!(top > bottom) || search->high - search->low < least_moved * (high - low)) return 1;
     const double half = 0.5 * (top - bottom);

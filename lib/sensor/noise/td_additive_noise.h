@@ -1,6 +1,6 @@
 /* Internal: the photoreceptor's additive noise: an Ornstein-Uhlenbeck process per pixel, on a time grid of the pixel's own.
  *
- * With tau = 1 / (2 pi noise_cutoff_hz), grid points are d = tau / 8 apart, from a phase that is drawn per pixel, and
+ * With tau = 1 / (2 pi noise_cutoff_hz), grid points are d = tau / 2 apart, from a phase that is drawn per pixel, and
  *
  *   x(k + 1) = rho x(k) + noise_rms sqrt(1 - rho^2) n(k + 1),  rho = exp(-d / tau),  n standard normal
  *
@@ -50,21 +50,20 @@ typedef struct td_additive_noise {
     td_noise_level level[TD_NOISE_DEPTH_MAX + 1]; /* and the parts after each */
 } td_additive_noise;
 
-/* Normals are drawn in blocks, which takes a fraction of the time. Block b has n(b TD_NOISE_BLOCK) to n((b + 1)
- * TD_NOISE_BLOCK - 1). */
-enum { TD_NOISE_BLOCK = 2 * TD_RANDOM_LANES };
+/* Normals are drawn in blocks. Block b has n(b TD_NOISE_BLOCK) to n((b + 1) TD_NOISE_BLOCK - 1). */
+enum { TD_NOISE_BLOCK = 4 }; /* of one number's bits */
 
 /* A pixel's segment, from x(k) to x(k + 1). */
 typedef struct td_noise_segment {
     uint64_t k;
-    double from_ns, to_ns;         /* since the run's start */
-    double begin, end;             /* [log units] */
-    double origin_ns;              /* of segment 0 */
-    double light;                  /* L where it began, of noise that depends on light */
-    double own;                    /* the pixel's size, over the nominal one */
-    double sigma, tau_ns;          /* of this segment, of noise that varies */
-    double reach;                  /* of this segment, as td_additive_noise.reach */
-    double normal[TD_NOISE_BLOCK]; /* the block that contains n(k + 1) */
+    double from_ns, to_ns;        /* since the run's start */
+    double begin, end;            /* [log units] */
+    double origin_ns;             /* of segment 0 */
+    double light;                 /* L where it began, of noise that depends on light */
+    double own;                   /* the pixel's size, over the nominal one */
+    double sigma, tau_ns;         /* of this segment, of noise that varies */
+    double reach;                 /* of this segment, as td_additive_noise.reach */
+    float normal[TD_NOISE_BLOCK]; /* the block that contains n(k + 1) */
 } td_noise_segment;
 
 /* Makes the noise of a sensor; off where noise_rms is 0. TIDES_BAD_ARGUMENT naming the field. */

@@ -1,12 +1,12 @@
 /* Internal: additive noise between the points of its grid, so that it crosses levels as often as the process does.
  *
- * A straight line between two points misses crossings: segments of tau / 8 fire a third less than the process where a threshold
- * is twice noise_rms. So a segment is a tree of parts. Where a part begins and ends with a and b, its middle is drawn from the
- * process's own law given these (l its length / tau),
+ * A straight line between two points misses crossings: with points tau / 8 apart it fires a third less than the process where
+ * a threshold is twice noise_rms. So a segment is a tree of parts. Where a part begins and ends with a and b, its middle is
+ * drawn from the process's own law given these (l its length / tau),
  *
  *   normal of mean (a + b) / (2 cosh(l / 2)) and variance noise_rms^2 tanh(l / 2),
  *
- * down to parts whose standard deviation is at most a quarter of the threshold (`depth` halvings, 1 at least). On such a part
+ * down to parts whose standard deviation is at most a quarter of the threshold (`depth` halvings, 3 at least). On such a part
  * the process is a Brownian bridge of variance v = 4 noise_rms^2 tanh(l / 2), whose maximum M and minimum m have
  *
  *   P(M > c) = exp(-2 (c - a) (c - b) / v),  hence  M = (a + b + w) / 2,  w = sqrt((b - a)^2 + 2 v q),  q = -log(uniform)
@@ -18,6 +18,7 @@
  * So the noise is one function of time, of (seed, pixel) alone. A level is crossed where that function crosses it, and only
  * parts that come near a level are ever drawn. That others don't reach it is certain: q is at most 12, which one part in 160
  * 000 would exceed. On every part of the tree the noise is kept within its bridge's bounds for this q, and so are its halves.
+ * The process's variance on a segment of tau / 2 is at most 2 % above that of its bridge: (l / 2) / tanh(l / 2).
  *
  * An event re-references the comparator, so that the rate of crossings has a finite limit as parts get shorter. At this depth
  * the rate is within 0.1 % of the limit (measured to 0.07 %; without halvings 0.8 % where the threshold is noise_rms).

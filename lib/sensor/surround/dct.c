@@ -84,13 +84,15 @@ typedef struct matrix {
 
 /* Copies COLUMNS columns of b, from `column` on, row by row; zeros beyond the last column. */
 static void pack(matrix b, int inner, int columns, int column, double *panel) {
-    for (int k = 0; k < inner; k++)
-        for (int j = 0; j < COLUMNS; j++)
-            panel[k * COLUMNS + j] = column + j < columns ? b.at[(size_t)k * b.apart + column + j] : 0;
+    const int width = columns - column < COLUMNS ? columns - column : COLUMNS;
+    for (int k = 0; k < inner; k++) {
+        memcpy(panel + k * COLUMNS, b.at + (size_t)k * b.apart + column, (size_t)width * sizeof *panel);
+        memset(panel + k * COLUMNS + width, 0, (size_t)(COLUMNS - width) * sizeof *panel);
+    }
 }
 
 /* Adds ROWS of a times four rows of a panel to the sums, in order of rows. The one long loop over columns vectorises. */
-TD_WIDE static void add_four(const double *const a[ROWS], const double *restrict b, double (*restrict sum)[COLUMNS]) {
+TD_WITHIN void add_four(const double *const a[ROWS], const double *restrict b, double (*restrict sum)[COLUMNS]) {
     const double *b0 = b, *b1 = b + COLUMNS, *b2 = b + 2 * COLUMNS, *b3 = b + 3 * COLUMNS;
     double *s0 = sum[0], *s1 = sum[1], *s2 = sum[2], *s3 = sum[3];
     const double a00 = a[0][0], a01 = a[0][1], a02 = a[0][2], a03 = a[0][3], a10 = a[1][0], a11 = a[1][1], a12 = a[1][2];
@@ -105,7 +107,8 @@ TD_WIDE static void add_four(const double *const a[ROWS], const double *restrict
 }
 
 /* Multiplies ROWS rows of a by a panel; some rows may coincide. */
-static void multiply_block(const double *const a[ROWS], const double *panel, int inner, double sum[ROWS][COLUMNS]) {
+TD_WIDE static void multiply_block(const double *const a[ROWS], const double *restrict panel, int inner,
+                                   double (*restrict sum)[COLUMNS]) {
     int k = 0;
     memset(sum, 0, ROWS * sizeof *sum);
     for (; k + 4 <= inner; k += 4) {

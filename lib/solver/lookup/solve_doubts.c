@@ -150,8 +150,9 @@ static int may_swap_decide(const td_visit *v, const td_swap_place *swap) {
         const int k = td_pieces_find_from(pieces, pieces->count - 1, s);
         const double u = td_pieces_place(pieces, k, s), length = pieces->from[k + 1] - pieces->from[k];
         if (length < shows_swap * swap->wide) continue;
+        const double light = swap->light * td_solve_swap_unseen(swap->wide / length);
         if (left_beside(v, k, u) <=
-            swap->light / td_renderer_swap_scale(v->s->renderer, td_exp(td_model_value(&pieces->model[k], u))) + v->model.floor)
+            light / td_renderer_swap_scale(v->s->renderer, td_exp(td_model_value(&pieces->model[k], u))) + v->model.floor)
             return 1;
     }
     return 0;

@@ -35,19 +35,22 @@ void td_surround_steps_release(td_surround_steps *steps) {
 
 enum { TO_IMAGE, TO_TILES };
 
-/* Copies planes from the tiles' order to the image's, or back. */
-static void rearrange(const tides_simulator *s, int direction, const double *from, double *to) {
-    for (int t = 0; t < s->layout.tiles; t++) {
-        const td_tile *tile = &s->layout.tile[t];
-        for (int i = 0; i < tile->count; i++) {
-            size_t in_tiles = s->layout.first_pixel[t] + (size_t)i;
-            size_t in_image = (size_t)(tile->y0 + i / tile->width) * s->layout.width + (size_t)(tile->x0 + i % tile->width);
-            if (direction == TO_IMAGE)
-                to[in_image] = from[in_tiles];
-            else
-                to[in_tiles] = from[in_image];
-        }
+/* Copies a tile's rows from the tiles' order to the image's, or back. */
+static void copy_rows(const tides_simulator *s, int t, int direction, double *in_image, double *in_tile) {
+    const td_tile *tile = &s->layout.tile[t];
+    const size_t row = (size_t)tile->width, apart = (size_t)s->layout.width;
+    double *image = in_image + (size_t)tile->y0 * apart + (size_t)tile->x0;
+    for (const double *end = in_tile + tile->count; in_tile < end; in_tile += row, image += apart) {
+        if (direction == TO_IMAGE)
+            memcpy(image, in_tile, row * sizeof *image);
+        else
+            memcpy(in_tile, image, row * sizeof *image);
     }
+}
+
+/* Copies the planes of all tiles. */
+static void rearrange(const tides_simulator *s, int direction, double *in_image, double *in_tiles) {
+    for (int t = 0; t < s->layout.tiles; t++) copy_rows(s, t, direction, in_image, in_tiles + s->layout.first_pixel[t]);
 }
 
 /* Stores S and the modes at the time reached. */
@@ -59,8 +62,8 @@ static void note_reached(tides_simulator *s, const td_surround_sample *reached) 
 void td_surround_steps_begin(tides_simulator *s) {
     td_surround_steps *steps = &s->surround;
     td_surround_sample now;
-    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S], steps->p);
-    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->p_dot);
+    rearrange(s, TO_IMAGE, steps->p, s->now.plane[TD_PLANE_S]);
+    rearrange(s, TO_IMAGE, steps->p_dot, s->now.plane[TD_PLANE_S_DOT]);
     td_surround_rest(&steps->surround, steps->p, steps->p_dot, &now);
     note_reached(s, &now);
 }
@@ -68,9 +71,9 @@ void td_surround_steps_begin(tides_simulator *s) {
 void td_surround_steps_resume(tides_simulator *s) {
     td_surround_steps *steps = &s->surround;
     td_surround_sample now;
-    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S], steps->p);
-    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->p_dot);
-    rearrange(s, TO_IMAGE, s->surround.modes, steps->from_dot);
+    rearrange(s, TO_IMAGE, steps->p, s->now.plane[TD_PLANE_S]);
+    rearrange(s, TO_IMAGE, steps->p_dot, s->now.plane[TD_PLANE_S_DOT]);
+    rearrange(s, TO_IMAGE, steps->from_dot, s->surround.modes);
     td_surround_resume(&steps->surround, steps->from_dot, steps->p, steps->p_dot, &now);
     note_reached(s, &now);
 }
@@ -84,13 +87,10 @@ typedef struct tile_sample {
 /* Other planes are linear between s->now and s->next; `part` is the place in the step. */
 static void take_tile(const tides_simulator *s, int t, const td_surround_sample *from, double part, tile_sample *to) {
     const td_tile *tile = &s->layout.tile[t];
-    for (int i = 0; i < tile->count; i++) {
-        size_t at = (size_t)(tile->y0 + i / tile->width) * s->layout.width + (size_t)(tile->x0 + i % tile->width);
-        to->own[TD_PLANE_S][i] = from->S[at];
-        to->own[TD_PLANE_S_DOT][i] = from->S_dot[at];
-        to->p[i] = from->p[at];
-        to->p_dot[i] = from->p_dot[at];
-    }
+    copy_rows(s, t, TO_TILES, from->S, to->own[TD_PLANE_S]);
+    copy_rows(s, t, TO_TILES, from->S_dot, to->own[TD_PLANE_S_DOT]);
+    copy_rows(s, t, TO_TILES, from->p, to->p);
+    copy_rows(s, t, TO_TILES, from->p_dot, to->p_dot);
     for (int k = 0; k < s->given.sample_planes; k++) {
         to->plane[k] = to->own[k];
         const double *now = s->now.plane[k] + s->layout.first_pixel[t], *next = s->next.plane[k] + s->layout.first_pixel[t];
@@ -129,9 +129,9 @@ tides_status td_surround_compare(tides_simulator *s, double start, double stop, 
     td_surround_sample *sample = at.sample;
     double *part = at.part;
     tides_status status = TIDES_OK;
-    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->from_dot);
-    rearrange(s, TO_IMAGE, s->next.plane[TD_PLANE_S], steps->p);
-    rearrange(s, TO_IMAGE, s->next.plane[TD_PLANE_S_DOT], steps->p_dot);
+    rearrange(s, TO_IMAGE, steps->from_dot, s->now.plane[TD_PLANE_S_DOT]);
+    rearrange(s, TO_IMAGE, steps->p, s->next.plane[TD_PLANE_S]);
+    rearrange(s, TO_IMAGE, steps->p_dot, s->next.plane[TD_PLANE_S_DOT]);
     td_surround_begin(&steps->surround, stop - start, steps->from_dot, steps->p, steps->p_dot);
     while (status == TIDES_OK && td_surround_next(&steps->surround, &part[0], &part[1], &sample[0], &sample[1])) {
         double from = start + (stop - start) * part[0], to = part[1] < 1 ? start + (stop - start) * part[1] : stop;

@@ -100,3 +100,16 @@ td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step
     const double part = part_of(s), length = (double)step->to - step->from;
     return (td_swap_place){(swap->part * part - step->from) / length, (double)swap->wide * part / length, (double)swap->light};
 }
+
+double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S) {
+    int count;
+    double squares = 0;
+    const td_swap *list = td_solve_swaps(s, step, local, &count);
+    for (int k = 0; k < count; k++) {
+        const td_swap_place swap = td_solve_swap_place(s, step, &list[k]);
+        if (!(swap.s + swap.wide > 0 && swap.s - swap.wide < 1)) continue;
+        const double light = swap.light * td_solve_swap_unseen(swap.wide);
+        squares += light * light;
+    }
+    return squares > 0 ? sqrt(squares) / td_renderer_swap_scale(s->renderer, td_exp(S)) : 0;
+}

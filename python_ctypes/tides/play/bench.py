@@ -1,5 +1,5 @@
-"""How many pictures a second the window has of a scene, and their time on processors, without a browser: python -m tides.play SCENE
---bench 30."""
+"""Measures pictures per second of a scene in the window, and their processor time, without a browser:
+python -m tides.play SCENE --bench 30."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .flight import Controls
 from .server import packed
 from .world import World
 
-WARM = 3  # pictures before the first that counts: kernels are built, and a run's first image is made
+WARM = 3  # pictures that don't count: in them kernels are built and the run's first image is rendered
 WAYS = {
     "circling": Controls(),
     "ahead": Controls(move=(0, 0, 1), orbit=False),
@@ -22,8 +22,8 @@ WAYS = {
 
 
 def bench(make: Callable[[], World], pictures: int) -> None:
-    """Prints a row for each way to fly, each from where a new world begins: as many `pictures`, one after the other, as messages to
-    a page. Core time is of this process, all its threads together."""
+    """Prints a row for each way to fly, of `pictures` pictures from a world's beginning, packed as for a page. Core time is that
+    of all threads of this process."""
     print(f"{'':10} {'pictures/s':>10} {'median ms':>10} {'p95 ms':>8} {'core ms':>8} {'events':>8}")
     for name, controls in WAYS.items():
         world = make()
@@ -36,7 +36,7 @@ def bench(make: Callable[[], World], pictures: int) -> None:
 
 
 def _fly(world: World, controls: Controls, pictures: int) -> tuple[np.ndarray, float, float]:
-    """Times of pictures, and core time and events of one [ms, ms, 1]."""
+    """The time of each picture [ms], and per picture the core time [ms] and the number of events."""
     facts: dict[str, Any] = {}
     walls, events, core = np.empty(pictures), 0, 0.0
     for k in range(-WARM, pictures):

@@ -95,7 +95,7 @@ class Server:
         self._left, self._ended = asyncio.Event(), asyncio.Event()
         self._worker = ThreadPoolExecutor(1)  # the engine's single thread
         self.port = 0
-        self.kept: dict[str, Any] | None = None  # of a recording that ended with the run
+        self.kept: dict[str, Any] | None = None  # facts of a recording that the end of the run ended
 
     @property
     def origins(self) -> list[str]:
@@ -106,7 +106,7 @@ class Server:
         return f"{self.origins[0]}/#{self.token}"
 
     async def run(self, ready: Any = None, alone_s: float | None = None) -> None:
-        """Until the page is closed. `ready` is called with the address; where no page comes within `alone_s`, it ends too."""
+        """Serves until the page is closed, or until no page has come within `alone_s`. Calls `ready` with the address."""
         try:
             async with serve(
                 self._handle, HOST, self._wanted, process_request=self._request, max_size=LONGEST_MESSAGE, compression=None,
@@ -118,7 +118,7 @@ class Server:
                 if alone_s is not None:
                     asyncio.get_running_loop().call_later(alone_s, lambda: self._driver or self._ended.set())
                 await self._ended.wait()
-        finally:  # of Ctrl-C, too: behind the step that is on its way, whose events a recording has
+        finally:  # also on Ctrl-C; waits for the step in progress, so that a recording has its events
             self.kept = await self._call(self.world.close)
             self._worker.shutdown()
 

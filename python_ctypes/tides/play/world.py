@@ -82,8 +82,8 @@ def run_text(source: str | os.PathLike[str], size: tuple[int, int] | None = None
     if size:
         text.setdefault("camera", {}).update(width=size[0], height=size[1])
     times = text.setdefault("time", {})
-    times.setdefault("stop", times.setdefault("start", 0.0) + 1e-3)  # a run has some; how long a flight is the scene says
-    for key, value in (("tolerance", TOLERANCE), ("unit", "block")):  # blocks: a third less than tiles where a step is long
+    times.setdefault("stop", times.setdefault("start", 0.0) + 1e-3)  # any: a run file needs a stop; a flight lasts as long as the scene
+    for key, value in (("tolerance", TOLERANCE), ("unit", "block")):  # blocks take a third less time than tiles where steps are long
         text.setdefault("stepping", {}).setdefault(key, value)
     return text, folder
 
@@ -103,7 +103,7 @@ def _absolute(text: dict[str, Any], folder: str) -> dict[str, Any]:
 
 
 def _circle_of(pose: Pose) -> tuple[np.ndarray, np.ndarray, float]:
-    """Centre, axis and rate [rad/s] of the circle that a camera is on."""
+    """Centre, upward axis and rate [rad/s] of the circle that a camera follows."""
     turning, upright = _angular(pose), -pose.rotation[:, 1]
     rate = float(np.linalg.norm(turning))
     return pose.position + np.cross(turning, pose.position_dot) / rate**2, math.copysign(1, turning @ upright) * turning, rate
@@ -132,9 +132,9 @@ class World:
         self._text = self._start(text, folder, set)
         self._session = Session(Run(text=self._text), None, device)
         self.intrinsics = self._session.intrinsics
-        # A device of its own: calls on objects of one device wait for each other, and pictures are drawn beside steps.
+        # With its own device, pictures are drawn during steps: calls on objects of one device wait for each other.
         scene, camera = self._session.scene, self._session.camera
-        assert scene is not None and camera is not None  # frames have been refused
+        assert scene is not None and camera is not None  # a run of frames has none, and was refused
         self._renderer = Renderer(scene, camera, self._session.values.image, self._spec(device))
         self._painter = ThreadPoolExecutor(1)
         self.preset = self._text["sensor"]["preset"]
@@ -172,7 +172,7 @@ class World:
         return made
 
     def _pilot(self) -> Flight:
-        """It circles as the run's own orbit does, else, upright, about what is in the middle of the view."""
+        """A flight that circles on the run's own orbit; without one, upright about a point ahead, at the median depth."""
         depth, first = self._renderer.truth(self._begin, ["depth"])["depth"], self._first
         seen = depth[np.isfinite(depth)]
         distance = float(np.median(seen)) if len(seen) else 1.0
@@ -237,8 +237,8 @@ class World:
         return self.live.time + self.speed / self.rate > self._end
 
     def step(self, controls: Controls) -> np.ndarray:
-        """The events of one picture's time. Where the scene's own motion ends, it begins again; a recording holds still there.
-        The picture at its end is drawn meanwhile: the pose is known before the events are."""
+        """Flies for the time of one picture, and returns its events. Where the scene's motion ends, it begins again; while
+        recording, there are no more events instead. The picture is drawn meanwhile, since its pose is known first."""
         dt = self.speed / self.rate
         if self.at_end and self._recording:
             return np.empty(0, EVENT)

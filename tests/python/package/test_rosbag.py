@@ -1,12 +1,14 @@
-"""tides.rosbag without the rosbags package names it; tests/clients tests the module with it."""
+"""tides.rosbag and tides.bag without the package that they need say which; tests/clients has what they do with it."""
 
+import importlib
 import sys
 
 import pytest
 
 
-def test_what_is_missing_is_named(monkeypatch):
-    monkeypatch.delitem(sys.modules, "tides.rosbag", raising=False)
+@pytest.mark.parametrize("name", ["tides.rosbag", "tides.bag"])
+def test_what_is_missing_is_named(monkeypatch, name):
+    monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
     with pytest.raises(ImportError, match=r"pip install tides\[rosbags\]"):
-        import tides.rosbag  # noqa: F401
+        importlib.import_module(name)

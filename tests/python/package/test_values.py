@@ -267,7 +267,7 @@ def test_what_people_hand_over():
 
 def test_modules_that_need_more_are_there():
     assert {"Run", "metrics", "api"} <= set(tides.__all__)  # not those two: `import *` would want their dependencies
-    for name in ("distributed", "rosbag", "usd"):
+    for name in ("bag", "distributed", "rosbag", "usd"):
         try:
             assert getattr(tides, name).__name__ == f"tides.{name}"
         except ImportError as missing:  # their own dependencies
