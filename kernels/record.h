@@ -5,12 +5,12 @@
 #include "extent.h"
 #include "transpose.h"
 
-/* Where a group's records go: TD_LANES neighbours. `colours` is used only where colour is asked for. `depths` and `masks`
- * repeat values of the records. Reading these from the records, a cache line each, took half of the sort's time. */
+/* Where a group's records go: TD_LANES neighbours. `colours` is used only where colour is asked for. The sort
+ * reads `depths`, `lights` and `masks`: reading from the records, a cache line each, took half of its time. */
 typedef struct td_sink {
     TD_GLOBAL td_real *records; /* TD_RECORD_STRIDE each */
     TD_GLOBAL td_real *colours; /* td_colour_stride each: r g b and their rates, or features and theirs */
-    TD_GLOBAL td_real *depths; /* camera z, also of candidates outside the tile: a hint for later jobs is made in their order */
+    TD_GLOBAL td_real *depths; /* camera z, also outside the tile: the hint for later jobs is a depth order of all candidates */
     TD_GLOBAL td_real *lights; /* one per TD_LANES: the largest |luminance| of a splat in the tile, below 0 without one */
     TD_GLOBAL int *masks;      /* blocks touched, and the low part of depth for soft order; 0: no splat here */
 } td_sink;
@@ -26,7 +26,7 @@ TD_INLINE td_sink td_sink_at(const td_sink *all, const td_image *image, int at) 
     return sink;
 }
 
-/* Fills in ln alpha as a quadratic in pixel offsets, in units of log2, and its rate. */
+/* Fills in mean2d, depth, log2(alpha) as a quadratic in pixel offsets, and the rate of ln(alpha). */
 TD_INLINE void td_lay_shape(const td_shape *shape, td_lanes entry[TD_RECORD_STRIDE]) {
     const td_real half_log2_e = TD_REAL(0.72134752044448170368); /* log2(e) / 2 */
     const td_dual *q = shape->conic;
@@ -53,8 +53,8 @@ TD_INLINE td_dual td_luminance_of(const td_colour *colour, const td_image *image
     return td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
 }
 
-/* The largest of |r|, |g| and |b|, with rate 0. Where light isn't linear in colours it stands in for luminance: the stop rule
- * needs it. */
+/* The largest of |r|, |g| and |b|, with rate 0. Where light isn't linear in colours it stands in for luminance, as the
+ * stop rule's bound of a splat's light. */
 TD_INLINE td_dual td_largest_channel(const td_colour *colour) {
     td_lanes largest = td_splat(0.0f);
     for (int c = 0; c < 3; c++) largest = td_larger(largest, td_size(colour->channel[c].v));
@@ -76,7 +76,7 @@ TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td
     if (!td_has_colours(image)) return;
     for (int c = 0; c < 3; c++) {
         td_lanes value = colour->channel[c].v;
-        if (td_is_coded(image)) value = td_select(value, td_not_a_number(), broken); /* colours are composited */
+        if (td_is_coded(image)) value = td_select(value, td_not_a_number(), broken); /* luminance isn't composited then */
         td_scatter(sink->colours, TD_COLOUR_STRIDE, c, value);
         td_scatter(sink->colours, TD_COLOUR_STRIDE, 3 + c, colour->channel[c].d);
     }

@@ -1,5 +1,5 @@
-/* Scenes for timing frames and runs, of any size: trained ones, and made ones of any number of splats. Cameras orbit them at 1
- * rad/s, with a field of view of 45 degrees from top to bottom. */
+/* Scenes for timing frames and runs: trained ones, and generated ones of any number of splats. bench_world_make gives those of
+ * its table a camera in orbit at 1 rad/s, except for the demo, whose camera is handheld. */
 #include "bench_worlds.h"
 
 #include <math.h>
@@ -114,15 +114,15 @@ tides_status bench_add_random_apart(tides_scene *scene, int64_t count, int64_t o
 
 /* A quaternion that lays a splat flat on a sphere with the normal `n`: its third axis points outwards. */
 static void lay_flat(const double n[3], float q[4]) {
-    const double size = sqrt(2 * (1 + n[2])); /* halfway between z and n */
+    const double size = sqrt(2 * (1 + n[2])); /* |z + n|; 0: n is -z, half a turn about x */
     q[0] = (float)(size > 1e-6 ? 0.5 * size : 0);
     q[1] = (float)(size > 1e-6 ? -n[1] / size : 1);
     q[2] = (float)(size > 1e-6 ? n[0] / size : 0);
     q[3] = 0;
 }
 
-/* Spheres of all sizes, one behind the other, of flat splats that overlap: twice as wide as their spacing, and half
- * transparent, like splats of trained scenes. */
+/* Spheres of radius 0.08 to 0.3, one behind the other, of flat splats that overlap, as in trained scenes: their median sigma is
+ * their spacing, and their median opacity 0.5. */
 tides_status bench_add_surfaces(tides_scene *scene, int64_t count, tides_error *error) {
     enum { SPHERES = 40 };
     double centre[SPHERES][3], radius[SPHERES], area[SPHERES + 1] = {0};
@@ -199,7 +199,7 @@ tides_status bench_add_patches(tides_scene *scene, const bench_patch *p, tides_e
         const int32_t column = i % p->columns, row = i / p->columns;
         const double x = width * (column + 0.5) - 0.5 * VIEW_WIDTH, y = height * (row + 0.5) - 0.5 * VIEW_HEIGHT;
         fill_patch(p, x, y, columns, rows, &c, &state);
-        const int32_t place = (7 * i) % count; /* 7 divides no number of patches, so that places spread over the view */
+        const int32_t place = (7 * i) % count; /* spread over the view; counts in use have no factor 7 */
         status = add_cloud(scene, &c, place < p->swinging ? swing : NULL, "patch", error);
     }
     tides_trajectory_destroy(swing);
@@ -262,7 +262,7 @@ const char *const *bench_world_names(void) {
     return names;
 }
 
-/* A name that isn't listed is a file, or a scene of bench_scenes.c. */
+/* The demo, and each name that isn't listed, goes to bench_scene_make: a scene of bench_scenes.c, or a splat file's path. */
 tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scene, tides_error *error) {
     const world *w = NULL;
     for (size_t i = 0; i < WORLDS; i++)
@@ -279,7 +279,7 @@ tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scen
     bench_lay_out(&made, w->name, w->sentence);
     snprintf(file, sizeof file, "%s/data/%s", shared && *shared ? shared : "../shared", w->file ? w->file : "");
     made.stop = FRAMES_S;
-    made.image.transfer = TIDES_TRANSFER_LINEAR; /* like the renderers that it is compared with */
+    made.image.transfer = TIDES_TRANSFER_LINEAR; /* as in the renderers that TIDES is compared with */
     tides_status status = tides_scene_create(&made.scene, error);
     if (status == TIDES_OK)
         status = w->add ? w->add(made.scene, quick ? w->quick : w->count, error)

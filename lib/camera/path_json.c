@@ -1,4 +1,4 @@
-/* JSON helpers of the path readers. Each error names the file, the path to the value, and what was expected. */
+/* JSON helpers of the readers of camera paths. An error names the file, the key ("frames[3].position"), and how to mend it. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
@@ -107,7 +107,7 @@ tides_status td_json_opengl_pose(td_path_reader *reader, const char *where, cons
     return td_json_rotation(reader, where, key, rotation, pose->quaternion);
 }
 
-/* Largest entry of R^T R - 1 for which R counts as a rotation: four decimals in a file pass, scaled or sheared matrices
+/* R counts as a rotation if no entry of R^T R - 1 is larger than this. Matrices with four decimals pass; scaled or sheared ones
  * don't. */
 #define TD_ROTATION_TOLERANCE 1e-3
 

@@ -7,8 +7,8 @@
 #include <pthread.h>
 #include <string.h>
 
-#define LONGEST_S 600.0 /* longer paths should come from files */
-#define FASTEST 1000.0
+#define LONGEST_S 600.0         /* longer paths should come from files */
+#define FASTEST 1000.0          /* times the kind's own speed */
 #define MOST_GAUSSIANS 20000000 /* 1.1 GB as arrays, and twice that while a file is written */
 #define MOST_PIXELS 8192
 #define FOCAL_PER_WIDTH (300.0 / 346.0) /* focal length per width: 60 degrees across */
@@ -17,7 +17,7 @@ typedef struct kind {
     tides_generator shown;
     tides_status (*make)(const tides_generate_options *options, tides_world *world, tides_error *error);
     double background[3];
-    double up; /* along y; 0: only walls, for which no direction is up */
+    double up; /* y of the scene's up direction; 0: unknown, as for a wall alone */
 } kind;
 
 #define DARK \

@@ -1,6 +1,7 @@
-/* Divides an exposure into stretches, each swept and integrated by itself. They are so short that no tile needs more than 64
- * panels in one, by the scales of time that motions and paths declare. Otherwise a lamp that flashes for 50 us in 10 ms could
- * be dark at every node. Most exposures are one stretch. */
+/* Divides an exposure into stretches, each swept and integrated by itself. A panel is the interval between two nodes, times at
+ * which a tile is rendered. Stretches are so short that no tile needs more than 64 panels in one, by the time scales of motions
+ * and the strays of paths. Otherwise a lamp that flashes for 50 us in 10 ms could be dark at every node. Most exposures are one
+ * stretch. */
 #include "td_expose.h"
 
 #include "motion/td_motion.h"
@@ -8,20 +9,21 @@
 
 #include <stdlib.h>
 
-/* A stretch is halved, down to nanoseconds, while some tile needs more panels than it may begin with. There are at most 2048
- * stretches, each with a sweep. A sweep detects events as short as 1/4096 of its interval; longer exposures are first cut for
- * that, into at most 64 sweeps. An exposure that needs more sweeps isn't searched, and its possible events count as unknown. */
+/* A stretch is halved, at most 20 times, while some tile needs more panels than it may begin with. There are at most 2048
+ * stretches, each with a sweep. A sweep detects changes as short as 1/4096 of its interval. An exposure longer than 4096 times
+ * the shortest declared scale is first cut for that, into at most 64 sweeps. If these aren't enough it isn't cut, and pixels
+ * that may change faster count as unsettled. */
 enum { STRETCHES_MAX = 2048, DEEPEST = 20, SWEEPS_MAX = 64, SEEN_MOST = 1 << (TD_STRAY_LEVELS - 1) };
 
-/* A path that strays by more than this [px] from the cubics of 2^level pieces may do something between nodes. Below the least
- * level, the tile's travel already asks for enough panels. */
+/* Cubics of 2^level pieces follow a path if it strays from them by at most this [px]. Below the least level, the path asks for
+ * no panels: the tile's travel already asks for enough. */
 static const double strays_px = 0.25;
 enum { LEAST_STRAY_LEVEL = 5 };
 
 /* Rounding may make a scale of time shorter by this share. */
 static const double slack = 1e-6;
 
-/* Level of an object's path in the interval swept last: 2^level pieces follow it. */
+/* Level of an object's path in the interval swept last: 2^level pieces follow it. 0: below the least level. */
 static int path_level(const tides_renderer *r, int object) {
     const double *px = r->sweep.strays.px + (size_t)object * TD_STRAY_LEVELS;
     int level = 0;
@@ -38,16 +40,18 @@ static int finest_path(const tides_renderer *r) {
     return finest;
 }
 
-/* Pieces that a Gaussian's changes need, from the sweep; with a colour filter, those of the worst channel. */
+/* Pieces that a Gaussian's changes need, by the sweep, whose travel is half their number. With a colour filter, the most of any
+ * channel. */
 static double rough_pieces(const tides_renderer *r, int gaussian) {
     double most = 0;
     for (; r; r = r->beside) most = td_greater(most, 2 * (double)r->sweep.travel[gaussian]);
     return most;
 }
 
-/* Sets how many pieces each Gaussian of a motion model needs, if an event on it may be shorter than the stretch. If the
- * motion knows which Gaussians rest, each of the others asks for all pieces. Otherwise the sweep's roughness decides, the
- * difference from the image of coarser pieces. `unknown`: the sweep may have missed an event, so each asks for all. */
+/* Sets band->asks, the pieces that each Gaussian of an object needs, if its motion declares scales shorter than the stretch. By
+ * its scale a Gaussian needs 2^level pieces, and by the sweep (rough_pieces) often fewer. If the motion knows which Gaussians
+ * rest, the others ask for 2^level. Without that knowledge all do, if the sweep may have missed a short change (band->unknown).
+ * Else the sweep decides. */
 static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *object, td_expose_band *band,
                                   tides_error *error) {
     const tides_motion *motion = object->of.motion;
@@ -102,7 +106,7 @@ static double most_asked(const tides_renderer *r, const td_expose_band *band) {
     return most;
 }
 
-/* Sets *is to 1 if the part may hold an event too short for its sweep. */
+/* Sets *is to 1 if the part may hold a change too short for its sweep to detect. */
 static tides_status is_long(tides_renderer *r, td_row_window part, int *is, tides_error *error) {
     double shortest = INFINITY;
     const tides_status status = td_dynamic_shortest(&r->dynamic, part.start, part.stop, &shortest, error);
@@ -110,7 +114,7 @@ static tides_status is_long(tides_renderer *r, td_row_window part, int *is, tide
     return status;
 }
 
-/* Counts the sweeps that a part needs, up to one more than allowed. */
+/* Adds the sweeps that a part needs to *count. Once that is above SWEEPS_MAX, parts are no longer examined. */
 static tides_status count_sweeps(tides_renderer *r, td_row_window part, int depth, int *count, tides_error *error) {
     int more = 0;
     tides_status status = depth < DEEPEST && *count <= SWEEPS_MAX ? is_long(r, part, &more, error) : TIDES_OK;

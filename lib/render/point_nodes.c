@@ -40,22 +40,22 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *sha
     nodes->path = td_alloc(all, sizeof *nodes->path, error);
     nodes->listed = td_alloc(all, sizeof *nodes->listed, error);
     nodes->wanted = td_alloc(all, sizeof *nodes->wanted, error);
-    nodes->own = td_alloc(count, sizeof *nodes->own, error);
-    nodes->gaussians = td_alloc(count, sizeof *nodes->gaussians, error);
-    nodes->level = td_alloc(count, sizeof *nodes->level, error);
-    nodes->first = td_alloc(count + TD_PAD, sizeof *nodes->first, error);
-    nodes->open_at = td_alloc(count, sizeof *nodes->open_at, error);
-    nodes->halve_from = td_alloc(count, sizeof *nodes->halve_from, error);
-    nodes->halve_to = td_alloc(count, sizeof *nodes->halve_to, error);
-    nodes->is_direct = td_alloc(count, sizeof *nodes->is_direct, error);
-    nodes->tried = td_alloc(count + TD_PAD, sizeof *nodes->tried, error);
-    nodes->fit.worst = td_alloc(count + TD_PAD, sizeof *nodes->fit.worst, error);
-    if (!nodes->path || !nodes->listed || !nodes->wanted || !nodes->own || !nodes->gaussians || !nodes->level ||
-        !nodes->first || !nodes->open_at || !nodes->halve_from || !nodes->halve_to || !nodes->is_direct || !nodes->tried ||
-        !nodes->fit.worst)
+    nodes->group.own = td_alloc(count, sizeof *nodes->group.own, error);
+    nodes->group.gaussians = td_alloc(count, sizeof *nodes->group.gaussians, error);
+    nodes->group.level = td_alloc(count, sizeof *nodes->group.level, error);
+    nodes->group.first = td_alloc(count + TD_PAD, sizeof *nodes->group.first, error);
+    nodes->group.open_at = td_alloc(count, sizeof *nodes->group.open_at, error);
+    nodes->group.halve_from = td_alloc(count, sizeof *nodes->group.halve_from, error);
+    nodes->group.halve_to = td_alloc(count, sizeof *nodes->group.halve_to, error);
+    nodes->group.is_direct = td_alloc(count, sizeof *nodes->group.is_direct, error);
+    nodes->group.tried = td_alloc(count + TD_PAD, sizeof *nodes->group.tried, error);
+    nodes->group.fit.worst = td_alloc(count + TD_PAD, sizeof *nodes->group.fit.worst, error);
+    if (!nodes->path || !nodes->listed || !nodes->wanted || !nodes->group.own || !nodes->group.gaussians ||
+        !nodes->group.level || !nodes->group.first || !nodes->group.open_at || !nodes->group.halve_from ||
+        !nodes->group.halve_to || !nodes->group.is_direct || !nodes->group.tried || !nodes->group.fit.worst)
         return TIDES_NO_MEMORY;
-    nodes->group = GROUP;
-    nodes->some = SOME;
+    nodes->group_size = GROUP;
+    nodes->sample_size = SOME;
     nodes->exact = shared;
     nodes->is_shared = shared != NULL;
     return shared ? TIDES_OK : td_exact_create(renderer->device, &renderer->store, &image, &nodes->exact, error);
@@ -69,24 +69,24 @@ void td_point_nodes_release(td_point_nodes *nodes) {
     free(nodes->path);
     free(nodes->listed);
     free(nodes->wanted);
-    free(nodes->own);
-    free(nodes->gaussians);
-    free(nodes->level);
-    free(nodes->first);
-    free(nodes->open_at);
-    free(nodes->open);
-    free(nodes->halve_from);
-    free(nodes->halve_to);
-    free(nodes->is_direct);
-    free(nodes->tried);
-    free(nodes->row);
-    free(nodes->length);
-    free(nodes->fit.worst);
-    free(nodes->fit.each);
-    free(nodes->time);
-    free(nodes->entry);
-    free(nodes->at);
-    free(nodes->jobs);
+    free(nodes->group.own);
+    free(nodes->group.gaussians);
+    free(nodes->group.level);
+    free(nodes->group.first);
+    free(nodes->group.open_at);
+    free(nodes->group.open);
+    free(nodes->group.halve_from);
+    free(nodes->group.halve_to);
+    free(nodes->group.is_direct);
+    free(nodes->group.tried);
+    free(nodes->group.row);
+    free(nodes->group.length);
+    free(nodes->group.fit.worst);
+    free(nodes->group.fit.each);
+    free(nodes->jobs.time);
+    free(nodes->jobs.entry);
+    free(nodes->jobs.at);
+    free(nodes->jobs.list);
 }
 
 /* -- pieces ---------------------------------------------------------------------------------------------------------------- */
@@ -174,7 +174,7 @@ static void find_listed(const tides_renderer *renderer, const td_point_span *lis
 
 /* Chooses the Gaussians that stand for all others; they become the wanted ones. An instant needs none. */
 static void choose_some(td_point_nodes *nodes) {
-    nodes->wanted_count = nodes->listed_count <= nodes->group ? nodes->listed_count : nodes->some;
+    nodes->wanted_count = nodes->listed_count <= nodes->group_size ? nodes->listed_count : nodes->sample_size;
     if (td_point_is_instant(nodes)) nodes->wanted_count = 0;
     for (int i = 0; i < nodes->wanted_count; i++)
         nodes->wanted[i] = nodes->listed[(int64_t)i * nodes->listed_count / nodes->wanted_count];
@@ -183,37 +183,37 @@ static void choose_some(td_point_nodes *nodes) {
 /* The first `count` of those wanted, with rows of their first levels. */
 static tides_status begin_group(const tides_renderer *renderer, td_point_nodes *nodes, int count, tides_error *error) {
     int64_t rows = 0;
-    nodes->bent = nodes->moving = nodes->count = 0;
+    nodes->bent = nodes->moving = nodes->group.count = 0;
     for (int i = 0; i < count; i++) {
         const int gaussian = nodes->wanted[i];
         int level = td_point_is_instant(nodes) ? 0 : first_level(renderer, nodes, gaussian);
         nodes->bent += level > MOST_LEVEL;
         if (level > MOST_LEVEL) level = MOST_LEVEL;
-        nodes->first[nodes->count] = (int)rows;
-        nodes->level[nodes->count] = (uint8_t)level;
-        nodes->open_at[nodes->count] = -1;
-        nodes->is_direct[nodes->count] = 0;
-        nodes->gaussians[nodes->count++] = gaussian;
+        nodes->group.first[nodes->group.count] = (int)rows;
+        nodes->group.level[nodes->group.count] = (uint8_t)level;
+        nodes->group.open_at[nodes->group.count] = -1;
+        nodes->group.is_direct[nodes->group.count] = 0;
+        nodes->group.gaussians[nodes->group.count++] = gaussian;
         rows += td_point_is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
         if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
     }
-    nodes->rows = (int)rows;
+    nodes->group.rows = (int)rows;
     return TIDES_OK;
 }
 
 /* Gives Gaussian i rows of the next level. */
 static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
-    const int level = ++nodes->level[i];
-    const int64_t rows = (int64_t)nodes->rows + ((int64_t)nodes->pieces << level) + 1;
+    const int level = ++nodes->group.level[i];
+    const int64_t rows = (int64_t)nodes->group.rows + ((int64_t)nodes->pieces << level) + 1;
     if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
-    nodes->first[i] = nodes->rows;
-    nodes->rows = (int)rows;
+    nodes->group.first[i] = nodes->group.rows;
+    nodes->group.rows = (int)rows;
     return TIDES_OK;
 }
 
 /* The object whose motion model moves Gaussian i, or NULL. */
 static const td_dynamic_object *moved_by(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
-    return td_dynamic_object_of(&renderer->dynamic, nodes->gaussians[i]);
+    return td_dynamic_object_of(&renderer->dynamic, nodes->group.gaussians[i]);
 }
 
 /* The allowed error of Gaussian i's paths. Rows from a motion model have the backend's precision, so they may have a larger
@@ -237,15 +237,15 @@ static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *n
  * error can't be computed, the Gaussian crosses the near plane; then it has faded where its curves are invalid, if they are
  * short. */
 static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, int k, tides_error *error) {
-    const double target = target_of(renderer, nodes, i), worst = (double)nodes->fit.worst[k] * TD_POINT_PATH_TARGET;
-    const int first = first_level(renderer, nodes, nodes->gaussians[i]);
-    nodes->moving += worst > 0 && nodes->level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
-    if (worst > falls * target && nodes->level[i] < MOST_LEVEL) return refine(nodes, i, error);
+    const double target = target_of(renderer, nodes, i), worst = (double)nodes->group.fit.worst[k] * TD_POINT_PATH_TARGET;
+    const int first = first_level(renderer, nodes, nodes->group.gaussians[i]);
+    nodes->moving += worst > 0 && nodes->group.level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
+    if (worst > falls * target && nodes->group.level[i] < MOST_LEVEL) return refine(nodes, i, error);
     const int is_bent = worst > falls * target;
-    if (nodes->level[i] == 1 && worst <= target) nodes->level[i] = 0; /* its rows are every other row of level 1 */
+    if (nodes->group.level[i] == 1 && worst <= target) nodes->group.level[i] = 0; /* its rows are every other row of level 1 */
     const int is_direct = is_bent && may_be_direct(renderer, nodes, i);
     nodes->bent += is_bent;
-    nodes->is_direct[i] = (uint8_t)is_direct;
+    nodes->group.is_direct[i] = (uint8_t)is_direct;
     return TIDES_OK;
 }
 
@@ -254,23 +254,24 @@ static tides_status choose_level(const tides_renderer *renderer, td_point_nodes 
  * halves of other curves are computed. Gaussian i is number k of the `tried`, with `curves` curves each; its rows begin at
  * `from`. */
 static tides_status open_curves(td_point_nodes *nodes, int i, int k, int from, int tried, int curves, tides_error *error) {
-    const float *each = nodes->fit.each + k;
-    const size_t flags = (size_t)nodes->open_count + (size_t)curves;
-    tides_status status = td_reserve((void **)&nodes->open, &nodes->open_capacity, flags, sizeof *nodes->open, error);
+    const float *each = nodes->group.fit.each + k;
+    const size_t flags = (size_t)nodes->group.open_count + (size_t)curves;
+    tides_status status =
+        td_reserve((void **)&nodes->group.open, &nodes->group.open_capacity, flags, sizeof *nodes->group.open, error);
     if (status != TIDES_OK) return status;
-    nodes->open_at[i] = nodes->open_count;
+    nodes->group.open_at[i] = nodes->group.open_count;
     for (int curve = 0; curve < curves; curve++)
-        nodes->open[nodes->open_count++] = each[(size_t)curve * (size_t)tried] > TD_PATH_BENT;
-    nodes->halve_from[nodes->halves] = from;
-    nodes->halve_to[nodes->halves++] = nodes->first[i];
+        nodes->group.open[nodes->group.open_count++] = each[(size_t)curve * (size_t)tried] > TD_PATH_BENT;
+    nodes->group.halve_from[nodes->group.halves] = from;
+    nodes->group.halve_to[nodes->group.halves++] = nodes->group.first[i];
     return status;
 }
 
 /* Makes rows of the next level by halving, for Gaussians with some open curves. */
 static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *error) {
-    if (nodes->halves == 0) return TIDES_OK;
-    const td_halve_request request = {nodes->halve_from, nodes->halve_to,     nodes->halves,  level,
-                                      nodes->pieces,     nodes->piece_length, nodes->rows + 1};
+    if (nodes->group.halves == 0) return TIDES_OK;
+    const td_halve_request request = {nodes->group.halve_from, nodes->group.halve_to, nodes->group.halves,  level,
+                                      nodes->pieces,           nodes->piece_length,   nodes->group.rows + 1};
     return td_exact_halve(nodes->exact, &request, error);
 }
 
@@ -278,15 +279,15 @@ static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *er
  * curve, too. */
 static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int level, int count, int each,
                             tides_error *error) {
-    const td_points_misfits request = {nodes->exact, nodes->rows,         nodes->tried,  count,
-                                       level,        nodes->piece_length, nodes->pieces, TD_POINT_PATH_TARGET};
-    td_points_fit fit = nodes->fit;
+    const td_points_misfits request = {nodes->exact, nodes->group.rows,   nodes->group.tried, count,
+                                       level,        nodes->piece_length, nodes->pieces,      TD_POINT_PATH_TARGET};
+    td_points_fit fit = nodes->group.fit;
     tides_status status = TIDES_OK;
     if (count == 0) return status;
     if (each)
-        status = td_reserve((void **)&nodes->fit.each, &nodes->each_capacity, td_points_tried(&request) * (size_t)count,
-                            sizeof *nodes->fit.each, error);
-    fit.each = each ? nodes->fit.each : NULL;
+        status = td_reserve((void **)&nodes->group.fit.each, &nodes->group.each_capacity,
+                            td_points_tried(&request) * (size_t)count, sizeof *nodes->group.fit.each, error);
+    fit.each = each ? nodes->group.fit.each : NULL;
     return status == TIDES_OK ? engine->type->misfits(engine, &request, &fit, error) : status;
 }
 
@@ -295,17 +296,17 @@ static tides_status try_level(const tides_renderer *renderer, td_point_nodes *no
                               tides_error *error) {
     const int each = td_dynamic_has_expensive(&renderer->dynamic) && level < MOST_LEVEL;
     int count = 0;
-    for (int i = 0; i < nodes->count; i++)
-        if (nodes->level[i] == level) nodes->tried[count++] = nodes->first[i];
-    for (int i = count; i < count + TD_PAD; i++) nodes->tried[i] = count ? nodes->tried[0] : 0;
+    for (int i = 0; i < nodes->group.count; i++)
+        if (nodes->group.level[i] == level) nodes->group.tried[count++] = nodes->group.first[i];
+    for (int i = count; i < count + TD_PAD; i++) nodes->group.tried[i] = count ? nodes->group.tried[0] : 0;
     tides_status status = measure(nodes, engine, level, count, each, error);
-    nodes->open_count = nodes->halves = 0;
-    for (int i = 0, k = 0; i < nodes->count && status == TIDES_OK; i++) {
-        if (nodes->level[i] != level) continue;
-        const int from = nodes->first[i];
+    nodes->group.open_count = nodes->group.halves = 0;
+    for (int i = 0, k = 0; i < nodes->group.count && status == TIDES_OK; i++) {
+        if (nodes->group.level[i] != level) continue;
+        const int from = nodes->group.first[i];
         status = choose_level(renderer, nodes, i, k, error);
         const td_dynamic_object *object = moved_by(renderer, nodes, i);
-        if (status == TIDES_OK && each && nodes->level[i] > level && object && object->expensive)
+        if (status == TIDES_OK && each && nodes->group.level[i] > level && object && object->expensive)
             status = open_curves(nodes, i, k, from, count, nodes->pieces << (level - 1), error);
         k++;
     }
@@ -316,26 +317,28 @@ static tides_status try_level(const tides_renderer *renderer, td_point_nodes *no
 static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
     const int moves = !td_point_is_instant(nodes);
     size_t curves = 0;
-    for (int i = 0; i < nodes->count; i++) curves += (size_t)nodes->pieces << nodes->level[i];
+    for (int i = 0; i < nodes->group.count; i++) curves += (size_t)nodes->pieces << nodes->group.level[i];
     if (curves + (size_t)nodes->curves > MOST_CURVES) return too_many(nodes, error);
-    tides_status status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * curves, sizeof *nodes->row, error);
+    tides_status status =
+        td_reserve((void **)&nodes->group.row, &nodes->group.row_capacity, 2 * curves, sizeof *nodes->group.row, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->length, &nodes->length_capacity, curves, sizeof *nodes->length, error);
+        status = td_reserve((void **)&nodes->group.length, &nodes->group.length_capacity, curves, sizeof *nodes->group.length,
+                            error);
     if (status != TIDES_OK) return status;
     int laid = 0;
-    for (int i = 0; i < nodes->count; i++) {
-        const int level = nodes->level[i], stride = !moves ? 0 : level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
-        nodes->own[i] = nodes->path[nodes->gaussians[i]] = (nodes->curves + laid) * TD_PATH_LEVELS + level;
+    for (int i = 0; i < nodes->group.count; i++) {
+        const int level = nodes->group.level[i], stride = !moves ? 0 : level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
+        nodes->group.own[i] = nodes->path[nodes->group.gaussians[i]] = (nodes->curves + laid) * TD_PATH_LEVELS + level;
         for (int k = 0; k < nodes->pieces << level; k++) {
             const double h = nodes->piece_length[k >> level];
-            nodes->row[2 * laid] = nodes->first[i] + stride * k;
-            nodes->row[2 * laid + 1] = nodes->first[i] + stride * (k + 1);
-            nodes->length[laid++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
+            nodes->group.row[2 * laid] = nodes->group.first[i] + stride * k;
+            nodes->group.row[2 * laid + 1] = nodes->group.first[i] + stride * (k + 1);
+            nodes->group.length[laid++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
         }
     }
-    nodes->group_curves = laid;
+    nodes->group.curves = laid;
     nodes->curves += laid;
-    nodes->made += nodes->count;
+    nodes->made += nodes->group.count;
     return TIDES_OK;
 }
 
@@ -362,8 +365,8 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
         finer = 0;
         status = td_point_rows_project(renderer, camera, nodes, level, error);
         if (status == TIDES_OK) status = try_level(renderer, nodes, engine, level, error);
-        for (int i = 0; i < nodes->count; i++) finer += nodes->level[i] > level;
-        *bent = may_bend && level == WHOLE_LEVEL && 2 * finer > nodes->count;
+        for (int i = 0; i < nodes->group.count; i++) finer += nodes->group.level[i] > level;
+        *bent = may_bend && level == WHOLE_LEVEL && 2 * finer > nodes->group.count;
     }
     *bent = *bent || (may_bend && are_bent(nodes));
     return status;
@@ -422,7 +425,7 @@ tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajector
 tides_status td_point_nodes_next(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  td_point_nodes *nodes, tides_error *error) {
     int bent = 0;
-    const int taken = nodes->wanted_count < nodes->group ? nodes->wanted_count : nodes->group;
+    const int taken = nodes->wanted_count < nodes->group_size ? nodes->wanted_count : nodes->group_size;
     tides_status status = find_rows(renderer, camera, engine, taken, nodes, &bent, error);
     if (status == TIDES_OK) status = lay_curves(nodes, error);
     if (status != TIDES_OK) return status;
@@ -433,14 +436,14 @@ tides_status td_point_nodes_next(tides_renderer *renderer, const tides_trajector
 
 td_points_group td_point_nodes_group(const td_point_nodes *nodes) {
     return (td_points_group){.exact = nodes->exact,
-                             .row_count = nodes->rows,
-                             .row = nodes->row,
-                             .lengths = nodes->length,
-                             .first = nodes->curves - nodes->group_curves,
-                             .curves = nodes->group_curves,
-                             .seen = nodes->gaussians,
-                             .path = nodes->own,
-                             .seen_count = nodes->count};
+                             .row_count = nodes->group.rows,
+                             .row = nodes->group.row,
+                             .lengths = nodes->group.length,
+                             .first = nodes->curves - nodes->group.curves,
+                             .curves = nodes->group.curves,
+                             .seen = nodes->group.gaussians,
+                             .path = nodes->group.own,
+                             .seen_count = nodes->group.count};
 }
 
 int td_point_nodes_expected(const td_point_nodes *nodes) {
@@ -457,6 +460,6 @@ td_points_slices td_point_nodes_slices(const td_point_nodes *nodes) {
         const int group = (nodes->pieces + MOST_SLICES - 1) / MOST_SLICES;
         return (td_points_slices){nodes->pieces, (nodes->pieces + group - 1) / group, 0, group};
     }
-    while (split < MOST_SPLIT && 2 * (int64_t)nodes->curves > 3 * ((int64_t)nodes->count << split)) split++;
+    while (split < MOST_SPLIT && 2 * (int64_t)nodes->curves > 3 * ((int64_t)nodes->group.count << split)) split++;
     return (td_points_slices){1, 1 << split, split, 1};
 }

@@ -10,30 +10,31 @@ enum { JOB_GAUSSIANS = 256 };
 /* -- projection ------------------------------------------------------------------------------------------------------------ */
 
 static tides_status reserve_entries(td_point_nodes *nodes, size_t more, tides_error *error) {
-    const size_t wanted = (size_t)nodes->entries + more;
-    tides_status status = td_reserve((void **)&nodes->entry, &nodes->entry_capacity[0], wanted, sizeof *nodes->entry, error);
+    const size_t wanted = (size_t)nodes->jobs.entries + more;
+    tides_status status =
+        td_reserve((void **)&nodes->jobs.entry, &nodes->jobs.entry_capacity[0], wanted, sizeof *nodes->jobs.entry, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->at, &nodes->entry_capacity[1], wanted, sizeof *nodes->at, error);
+        status = td_reserve((void **)&nodes->jobs.at, &nodes->jobs.entry_capacity[1], wanted, sizeof *nodes->jobs.at, error);
     if (status == TIDES_OK)
-        status =
-            td_reserve((void **)&nodes->jobs, &nodes->job_capacity, (size_t)nodes->job_count + 1, sizeof *nodes->jobs, error);
+        status = td_reserve((void **)&nodes->jobs.list, &nodes->jobs.capacity, (size_t)nodes->jobs.count + 1,
+                            sizeof *nodes->jobs.list, error);
     return status;
 }
 
 /* Fills the last job up to a multiple of TD_PAD with entries that write to an unused row. */
 static void end_job(td_point_nodes *nodes) {
-    td_node_job *job = &nodes->jobs[nodes->job_count - 1];
-    for (; job->count % TD_PAD; job->count++, nodes->entries++) {
-        nodes->entry[nodes->entries] = TD_NO_GAUSSIAN;
-        nodes->at[nodes->entries] = nodes->rows;
+    td_node_job *job = &nodes->jobs.list[nodes->jobs.count - 1];
+    for (; job->count % TD_PAD; job->count++, nodes->jobs.entries++) {
+        nodes->jobs.entry[nodes->jobs.entries] = TD_NO_GAUSSIAN;
+        nodes->jobs.at[nodes->jobs.entries] = nodes->group.rows;
     }
 }
 
 /* 1 if node `node` of a level has to be computed for Gaussian i. If only some curves of the previous level were open, it has
  * to be the middle of a half of an open one. */
 static int is_wanted(const td_point_nodes *nodes, int i, int level, int node) {
-    if (nodes->level[i] != level) return 0;
-    return nodes->open_at[i] < 0 || (node % 2 && nodes->open[nodes->open_at[i] + node / 4]);
+    if (nodes->group.level[i] != level) return 0;
+    return nodes->group.open_at[i] < 0 || (node % 2 && nodes->group.open[nodes->group.open_at[i] + node / 4]);
 }
 
 /* Adds jobs for node `node`, in slot `slot`, of the Gaussians in [from, end) that need it at this level. `row` (may be NULL)
@@ -43,22 +44,23 @@ static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nod
     int open = 0, object = -1, taken = 0;
     tides_status status = reserve_entries(nodes, 0, error);
     for (int i = from; i < end && status == TIDES_OK; i++) {
-        const int gaussian = nodes->gaussians[i];
+        const int gaussian = nodes->group.gaussians[i];
         if (!is_wanted(nodes, i, level, node)) continue;
         status = reserve_entries(nodes, 2 * TD_PAD, error);
         if (status != TIDES_OK) return status;
-        if (open && (renderer->store.object[gaussian] != object || nodes->jobs[nodes->job_count - 1].count == JOB_GAUSSIANS)) {
+        if (open &&
+            (renderer->store.object[gaussian] != object || nodes->jobs.list[nodes->jobs.count - 1].count == JOB_GAUSSIANS)) {
             end_job(nodes);
             open = 0;
             status = reserve_entries(nodes, 2 * TD_PAD, error);
             if (status != TIDES_OK) return status;
         }
-        if (!open) nodes->jobs[nodes->job_count++] = (td_node_job){slot, nodes->entries, 0, 0};
+        if (!open) nodes->jobs.list[nodes->jobs.count++] = (td_node_job){slot, nodes->jobs.entries, 0, 0};
         open = 1;
         object = renderer->store.object[gaussian];
-        nodes->entry[nodes->entries] = row ? row[taken++] : gaussian;
-        nodes->at[nodes->entries++] = nodes->first[i] + node;
-        nodes->jobs[nodes->job_count - 1].count++;
+        nodes->jobs.entry[nodes->jobs.entries] = row ? row[taken++] : gaussian;
+        nodes->jobs.at[nodes->jobs.entries++] = nodes->group.first[i] + node;
+        nodes->jobs.list[nodes->jobs.count - 1].count++;
     }
     if (open && status == TIDES_OK) end_job(nodes);
     return status;
@@ -66,19 +68,19 @@ static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nod
 
 /* Adds the same jobs (from `job` on, with entries from `entry` on) for the next node. */
 static tides_status repeat_node(td_point_nodes *nodes, int job, int entry, tides_error *error) {
-    const int jobs = nodes->job_count - job, entries = nodes->entries - entry;
+    const int jobs = nodes->jobs.count - job, entries = nodes->jobs.entries - entry;
     tides_status status = TIDES_OK;
     for (int i = 0; i < jobs && status == TIDES_OK; i++) {
         status = reserve_entries(nodes, (size_t)entries, error);
         if (status != TIDES_OK) return status;
-        const td_node_job *of = &nodes->jobs[job + i];
-        nodes->jobs[nodes->job_count++] = (td_node_job){of->slot + 1, of->first + entries, of->count, 0};
+        const td_node_job *of = &nodes->jobs.list[job + i];
+        nodes->jobs.list[nodes->jobs.count++] = (td_node_job){of->slot + 1, of->first + entries, of->count, 0};
     }
     for (int i = entry; i < entry + entries && status == TIDES_OK; i++) {
-        nodes->entry[i + entries] = nodes->entry[i];
-        nodes->at[i + entries] = nodes->at[i] + (nodes->entry[i] != TD_NO_GAUSSIAN);
+        nodes->jobs.entry[i + entries] = nodes->jobs.entry[i];
+        nodes->jobs.at[i + entries] = nodes->jobs.at[i] + (nodes->jobs.entry[i] != TD_NO_GAUSSIAN);
     }
-    nodes->entries += entries;
+    nodes->jobs.entries += entries;
     return status;
 }
 
@@ -86,12 +88,12 @@ static tides_status repeat_node(td_point_nodes *nodes, int job, int entry, tides
  * the cache. */
 static tides_status add_nodes(const tides_renderer *renderer, td_point_nodes *nodes, int level, int slots, tides_error *error) {
     tides_status status = TIDES_OK;
-    for (int from = 0, end = 0; from < nodes->count && status == TIDES_OK; from = end) {
-        int job = nodes->job_count, entry = nodes->entries;
-        for (int taken = 0; end < nodes->count && taken < JOB_GAUSSIANS; end++) taken += nodes->level[end] == level;
+    for (int from = 0, end = 0; from < nodes->group.count && status == TIDES_OK; from = end) {
+        int job = nodes->jobs.count, entry = nodes->jobs.entries;
+        for (int taken = 0; end < nodes->group.count && taken < JOB_GAUSSIANS; end++) taken += nodes->group.level[end] == level;
         status = add_node(renderer, nodes, level, 0, 0, from, end, NULL, error);
         for (int k = 1; k < slots && status == TIDES_OK; k++) {
-            const int next_job = nodes->job_count, next_entry = nodes->entries;
+            const int next_job = nodes->jobs.count, next_entry = nodes->jobs.entries;
             status = repeat_node(nodes, job, entry, error);
             job = next_job, entry = next_entry;
         }
@@ -109,18 +111,18 @@ static double node_time(const td_point_nodes *nodes, int level, int k) {
 /* Sends the jobs, with views at `slots` times. */
 static tides_status send(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, const double *times,
                          int slots, tides_error *error) {
-    if (nodes->job_count == 0) return TIDES_OK;
+    if (nodes->jobs.count == 0) return TIDES_OK;
     tides_status status = nodes->kept ? td_renderer_views_again(renderer, nodes->kept, slots, error)
                                       : td_renderer_views(renderer, camera, times, slots, error);
     if (status != TIDES_OK) return status;
     const td_node_request request = {.views = (const double *)renderer->scratch.views,
                                      .slots = slots,
-                                     .jobs = nodes->jobs,
-                                     .job_count = nodes->job_count,
-                                     .gaussians = nodes->entry,
-                                     .rows = nodes->at,
-                                     .count = nodes->entries,
-                                     .row_count = nodes->rows + 1};
+                                     .jobs = nodes->jobs.list,
+                                     .job_count = nodes->jobs.count,
+                                     .gaussians = nodes->jobs.entry,
+                                     .rows = nodes->jobs.at,
+                                     .count = nodes->jobs.entries,
+                                     .row_count = nodes->group.rows + 1};
     return td_exact_nodes(nodes->exact, renderer->backend, &request, error);
 }
 
@@ -136,7 +138,7 @@ typedef struct moved_batch {
 
 static void begin_batch(tides_renderer *renderer, td_point_nodes *nodes, moved_batch *batch) {
     td_dynamic_rows_open(&renderer->dynamic);
-    nodes->entries = nodes->job_count = batch->slots = 0;
+    nodes->jobs.entries = nodes->jobs.count = batch->slots = 0;
 }
 
 static tides_status end_batch(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
@@ -154,30 +156,31 @@ static tides_status add_moved(tides_renderer *renderer, const tides_trajectory *
     tides_status status = TIDES_OK;
     int count = 0;
     for (int i = from; i < end; i++)
-        if (is_wanted(nodes, i, level, node)) batch->wanted[count++] = nodes->gaussians[i];
+        if (is_wanted(nodes, i, level, node)) batch->wanted[count++] = nodes->group.gaussians[i];
     if (count == 0) return status;
     if (renderer->dynamic.rows.count + count + padding > batch->limit || batch->slots == BATCH_SLOTS)
         status = end_batch(renderer, camera, nodes, batch, error);
     if (status == TIDES_OK)
-        status = td_dynamic_rows_ask(&renderer->dynamic, batch->wanted, count, nodes->time[node],
+        status = td_dynamic_rows_ask(&renderer->dynamic, batch->wanted, count, nodes->jobs.time[node],
                                      is_last ? TD_SIDE_ENDS : TD_SIDE_BEGINS, batch->row, error);
     if (status == TIDES_OK) status = add_node(renderer, nodes, level, node, batch->slots, from, end, batch->row, error);
-    batch->time[batch->slots++] = nodes->time[node];
+    batch->time[batch->slots++] = nodes->jobs.time[node];
     return status;
 }
 
 /* Projects all nodes, for as many Gaussians at a time as moved rows fit beside the rows that the sweep has cached. */
 static tides_status project_all_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                       int level, int slots, tides_error *error) {
-    int *wanted = td_alloc(2 * (size_t)nodes->count, sizeof *wanted, error);
+    int *wanted = td_alloc(2 * (size_t)nodes->group.count, sizeof *wanted, error);
     tides_status status = wanted ? TIDES_OK : TIDES_NO_MEMORY;
-    moved_batch batch = {.wanted = wanted, .row = wanted ? wanted + nodes->count : NULL};
+    moved_batch batch = {.wanted = wanted, .row = wanted ? wanted + nodes->group.count : NULL};
     batch.limit = renderer->row_limit / 2 < BATCH_ROWS ? renderer->row_limit / 2 : BATCH_ROWS;
     begin_batch(renderer, nodes, &batch);
     for (int node = 0; node < slots; node++)
-        for (int from = 0; from < nodes->count && status == TIDES_OK; from += batch.limit)
-            status = add_moved(renderer, camera, nodes, level, node, from,
-                               nodes->count - from > batch.limit ? from + batch.limit : nodes->count, &batch, error);
+        for (int from = 0; from < nodes->group.count && status == TIDES_OK; from += batch.limit)
+            status =
+                add_moved(renderer, camera, nodes, level, node, from,
+                          nodes->group.count - from > batch.limit ? from + batch.limit : nodes->group.count, &batch, error);
     if (status == TIDES_OK) status = end_batch(renderer, camera, nodes, &batch, error);
     free(wanted);
     return status;
@@ -189,16 +192,17 @@ static tides_status add_slot(tides_renderer *renderer, td_point_nodes *nodes, do
     const int moves = renderer->dynamic.gaussians > 0;
     tides_status status = TIDES_OK;
     if (moves)
-        status = td_dynamic_rows_ask(&renderer->dynamic, nodes->gaussians + from, end - from, time, TD_SIDE_BEGINS, row, error);
+        status = td_dynamic_rows_ask(&renderer->dynamic, nodes->group.gaussians + from, end - from, time, TD_SIDE_BEGINS, row,
+                                     error);
     return status == TIDES_OK ? add_node(renderer, nodes, 0, 0, slot, from, end, moves ? row : NULL, error) : status;
 }
 
 tides_status td_point_rows_direct(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                   const double *time, const int *end, int slots, tides_error *error) {
-    int *row = td_alloc((size_t)nodes->count + 1, sizeof *row, error);
+    int *row = td_alloc((size_t)nodes->group.count + 1, sizeof *row, error);
     tides_status status = row ? TIDES_OK : TIDES_NO_MEMORY;
     if (renderer->dynamic.gaussians) td_dynamic_rows_open(&renderer->dynamic);
-    nodes->entries = nodes->job_count = 0;
+    nodes->jobs.entries = nodes->jobs.count = 0;
     for (int k = 0; k < slots && status == TIDES_OK; k++)
         status = add_slot(renderer, nodes, time[k], k, k ? end[k - 1] : 0, end[k], row, error);
     if (status == TIDES_OK && renderer->dynamic.gaussians) status = td_rows_send(&renderer->dynamic, renderer->backend, error);
@@ -210,11 +214,12 @@ tides_status td_point_rows_direct(tides_renderer *renderer, const tides_trajecto
 tides_status td_point_rows_project(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
                                    tides_error *error) {
     const int slots = td_point_is_instant(nodes) ? 1 : (nodes->pieces << level) + 1;
-    tides_status status = td_reserve((void **)&nodes->time, &nodes->time_capacity, (size_t)slots, sizeof *nodes->time, error);
-    nodes->entries = nodes->job_count = 0;
-    for (int k = 0; k < slots && status == TIDES_OK; k++) nodes->time[k] = node_time(nodes, level, k);
+    tides_status status =
+        td_reserve((void **)&nodes->jobs.time, &nodes->jobs.time_capacity, (size_t)slots, sizeof *nodes->jobs.time, error);
+    nodes->jobs.entries = nodes->jobs.count = 0;
+    for (int k = 0; k < slots && status == TIDES_OK; k++) nodes->jobs.time[k] = node_time(nodes, level, k);
     if (renderer->dynamic.gaussians && status == TIDES_OK)
         return project_all_moved(renderer, camera, nodes, level, slots, error);
     if (status == TIDES_OK) status = add_nodes(renderer, nodes, level, slots, error);
-    return status == TIDES_OK ? send(renderer, camera, nodes, nodes->time, slots, error) : status;
+    return status == TIDES_OK ? send(renderer, camera, nodes, nodes->jobs.time, slots, error) : status;
 }

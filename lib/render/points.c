@@ -117,8 +117,8 @@ tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *err
 }
 
 void td_renderer_points_groups(tides_renderer *renderer, int group, int some) {
-    renderer->points->nodes.group = group;
-    renderer->points->nodes.some = some;
+    renderer->points->nodes.group_size = group;
+    renderer->points->nodes.sample_size = some;
 }
 
 static void lay_tiles(const tides_renderer *renderer, td_points *p) {
@@ -447,7 +447,7 @@ tides_status td_renderer_keep_instant(tides_renderer *renderer, const tides_traj
 /* Paths of earlier points are kept only while they are few: nobody asks twice about the instant. */
 static tides_status kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error) {
-    if (renderer->kept->nodes.made > renderer->kept->nodes.group) renderer->kept->begun = -1;
+    if (renderer->kept->nodes.made > renderer->kept->nodes.group_size) renderer->kept->begun = -1;
     return exact_points(renderer, camera, renderer->kept, points, count, values, error);
 }
 

@@ -50,12 +50,12 @@ void td_points_direct_clear(const tides_renderer *renderer, td_points_direct *di
 
 tides_status td_points_direct_add(const tides_renderer *renderer, const td_point_nodes *nodes, const float *boxes,
                                   td_points_direct *direct, tides_error *error) {
-    for (int i = 0; i < nodes->count; i++) {
-        if (!nodes->is_direct[i]) continue;
+    for (int i = 0; i < nodes->group.count; i++) {
+        if (!nodes->group.is_direct[i]) continue;
         if (!direct->bent) direct->bent = td_alloc((size_t)renderer->image.width * (size_t)renderer->image.height, 1, error);
         if (!direct->bent) return TIDES_NO_MEMORY;
         direct->any = 1;
-        mark(renderer, boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
+        mark(renderer, boxes + 4 * (size_t)nodes->group.gaussians[i], direct->bent);
     }
     return TIDES_OK;
 }
@@ -86,19 +86,26 @@ static tides_status create(const tides_renderer *renderer, td_points_direct *dir
 /* Makes room for `more` Gaussians in a lot. */
 static tides_status reserve(td_points_direct *direct, int more, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
-    const size_t wanted = (size_t)nodes->count + (size_t)more;
+    const size_t wanted = (size_t)nodes->group.count + (size_t)more;
     size_t *capacity = direct->gaussian_capacity;
-    tides_status status = td_reserve((void **)&nodes->gaussians, &capacity[0], wanted, sizeof *nodes->gaussians, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&nodes->first, &capacity[1], wanted, sizeof *nodes->first, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&nodes->level, &capacity[2], wanted, sizeof *nodes->level, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&nodes->open_at, &capacity[3], wanted, sizeof *nodes->open_at, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&nodes->own, &capacity[4], wanted, sizeof *nodes->own, error);
+    tides_status status =
+        td_reserve((void **)&nodes->group.gaussians, &capacity[0], wanted, sizeof *nodes->group.gaussians, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&nodes->group.first, &capacity[1], wanted, sizeof *nodes->group.first, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&nodes->group.level, &capacity[2], wanted, sizeof *nodes->group.level, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&nodes->group.open_at, &capacity[3], wanted, sizeof *nodes->group.open_at, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&nodes->group.own, &capacity[4], wanted, sizeof *nodes->group.own, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&direct->sights, &capacity[5], 2 * wanted, sizeof *direct->sights, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * wanted, sizeof *nodes->row, error);
+        status =
+            td_reserve((void **)&nodes->group.row, &nodes->group.row_capacity, 2 * wanted, sizeof *nodes->group.row, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->length, &nodes->length_capacity, wanted, sizeof *nodes->length, error);
+        status = td_reserve((void **)&nodes->group.length, &nodes->group.length_capacity, wanted, sizeof *nodes->group.length,
+                            error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&direct->numbers, &direct->number_capacity, wanted, sizeof *direct->numbers, error);
     return status;
@@ -121,22 +128,22 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
         status = td_reserve((void **)&direct->lists, &direct->list_capacity, (size_t)(*listed + end - first) + TD_PAD,
                             sizeof *direct->lists, error);
     for (int i = first; i < end && status == TIDES_OK; i++) {
-        const int gaussian = span->list[i], own = nodes->count;
+        const int gaussian = span->list[i], own = nodes->group.count;
         if (gaussian < 0 || !touches(renderer->sweep.boxes + 4 * (size_t)gaussian, point)) continue;
-        nodes->gaussians[own] = gaussian;
-        nodes->first[own] = nodes->row[2 * own] = nodes->row[2 * own + 1] = direct->numbers[own] = own;
-        nodes->level[own] = 0;
-        nodes->open_at[own] = -1;
-        nodes->own[own] = own * TD_PATH_LEVELS;
+        nodes->group.gaussians[own] = gaussian;
+        nodes->group.first[own] = nodes->group.row[2 * own] = nodes->group.row[2 * own + 1] = direct->numbers[own] = own;
+        nodes->group.level[own] = 0;
+        nodes->group.open_at[own] = -1;
+        nodes->group.own[own] = own * TD_PATH_LEVELS;
         direct->sights[2 * own] = TD_SIGHT_END * renderer->image.width; /* all: its list is this pixel's alone */
         direct->sights[2 * own + 1] = TD_SIGHT_END * renderer->image.height;
-        nodes->length[own] = TD_POINT_INSTANT;
+        nodes->group.length[own] = TD_POINT_INSTANT;
         direct->lists[(*listed)++] = own;
-        nodes->count++;
+        nodes->group.count++;
     }
     if (status != TIDES_OK) return status;
     while (*listed % TD_PAD) direct->lists[(*listed)++] = TD_NO_GAUSSIAN;
-    direct->end[k] = nodes->count;
+    direct->end[k] = nodes->group.count;
     direct->time[k] = point->time;
     direct->tiles[k] = (td_points_tile){point->x / TD_TILE * TD_TILE, point->y / TD_TILE * TD_TILE, begun, *listed - begun};
     direct->chunks[k] = (td_points_chunk){k, k, 1};
@@ -148,22 +155,22 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
 /* Gives a lot, whose rows are ready, to the engine as an interval. */
 static tides_status look(const tides_renderer *renderer, td_points_direct *direct, int points, int listed, tides_error *error) {
     const td_point_nodes *nodes = &direct->nodes;
-    const td_points_interval interval = {.gaussians = nodes->count,
-                                         .curves = nodes->count,
+    const td_points_interval interval = {.gaussians = nodes->group.count,
+                                         .curves = nodes->group.count,
                                          .slices = {1, 1, 0, 1},
                                          .candidates = direct->lists,
                                          .candidate_count = listed,
                                          .tiles = direct->tiles,
                                          .tile_count = points};
     const td_points_group all = {.exact = nodes->exact,
-                                 .row_count = nodes->rows + 1,
-                                 .row = nodes->row,
-                                 .lengths = nodes->length,
-                                 .curves = nodes->count,
+                                 .row_count = nodes->group.rows + 1,
+                                 .row = nodes->group.row,
+                                 .lengths = nodes->group.length,
+                                 .curves = nodes->group.count,
                                  .seen = direct->numbers,
-                                 .path = nodes->own,
+                                 .path = nodes->group.own,
                                  .sights = direct->sights,
-                                 .seen_count = nodes->count};
+                                 .seen_count = nodes->group.count};
     const td_points_batch batch = {{direct->column[0], direct->column[1], direct->column[2], direct->column[3]},
                                    direct->piece,
                                    points,
@@ -182,9 +189,10 @@ static tides_status look(const tides_renderer *renderer, td_points_direct *direc
 static tides_status work_out(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct, int points,
                              int listed, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
-    nodes->rows = nodes->count;
+    nodes->group.rows = nodes->group.count;
     tides_status status = reserve(direct, points, error);
-    for (int k = nodes->count; k < points && status == TIDES_OK; k++) direct->numbers[k] = k; /* also the numbers of tiles */
+    for (int k = nodes->group.count; k < points && status == TIDES_OK; k++)
+        direct->numbers[k] = k; /* also the numbers of tiles */
     if (status == TIDES_OK) status = td_point_rows_direct(renderer, camera, nodes, direct->time, direct->end, points, error);
     return status == TIDES_OK ? look(renderer, direct, points, listed, error) : status;
 }
@@ -196,8 +204,9 @@ tides_status td_points_direct_values(tides_renderer *renderer, const tides_traje
     direct->nodes.exact = exact;
     for (int from = 0, taken; from < count && status == TIDES_OK; from += taken) {
         int listed = 0;
-        direct->nodes.count = 0;
-        for (taken = 0; taken < LOT && from + taken < count && direct->nodes.count < LOT_SPLATS && status == TIDES_OK; taken++)
+        direct->nodes.group.count = 0;
+        for (taken = 0; taken < LOT && from + taken < count && direct->nodes.group.count < LOT_SPLATS && status == TIDES_OK;
+             taken++)
             status = add_point(renderer, direct, span, &points[which[from + taken]], taken, &listed, error);
         if (status == TIDES_OK) status = td_renderer_check_stop(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = work_out(renderer, camera, direct, taken, listed, error);

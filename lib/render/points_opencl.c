@@ -26,17 +26,27 @@ typedef struct opencl_points {
     tides_device *device;
     cl_kernel misfit_kernel, splat_kernel, list_kernel, value_kernel;
     td_buffer image;
-    td_buffer first, piece_lengths, misfits;                            /* paths that are tried */
-    td_buffer path, sights, curves, candidates, tiles, depths, records; /* an interval */
-    td_buffer row, lengths, seen, own, own_sights;                      /* a group of its splats */
-    td_buffer wanted, keys, places, tests, counts;                      /* lists */
-    td_buffer columns, piece, chunks, values, turn;                     /* a batch */
-    td_buffer entries, beside;                                          /* beside: curves of green and blue */
+    struct {
+        td_buffer first, lengths, misfits;
+    } tried; /* paths that are tried */
+    struct {
+        td_buffer path, sights, curves, candidates, tiles, depths, records;
+        td_points_interval at;
+        int longest; /* length of the longest list */
+    } interval;
+    struct {
+        td_buffer row, lengths, seen, own, sights;
+    } group; /* of splats of the interval */
+    struct {
+        td_buffer wanted, keys, places, tests, counts;
+    } list;
+    struct {
+        td_buffer columns, piece, chunks, values, turn;
+        double *out; /* target of values being computed */
+        size_t out_bytes;
+    } batch;
+    td_buffer entries, beside; /* beside: curves of green and blue */
     int is_coded;
-    td_points_interval at;
-    int longest; /* length of the longest list */
-    double *out; /* target of values being computed */
-    size_t out_bytes;
 } opencl_points;
 
 static int on_gpu(const opencl_points *p) { return p->base.lanes == 1; }
@@ -52,14 +62,14 @@ static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, cons
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
                                      {rows, NULL, 0},
                                      {beside, NULL, 0},
-                                     TD_BUFFER_ARGUMENT(p->first),
+                                     TD_BUFFER_ARGUMENT(p->tried.first),
                                      TD_VALUE_ARGUMENT(count),
                                      TD_VALUE_ARGUMENT(level),
-                                     TD_BUFFER_ARGUMENT(p->piece_lengths),
+                                     TD_BUFFER_ARGUMENT(p->tried.lengths),
                                      TD_VALUE_ARGUMENT(pieces),
                                      TD_VALUE_ARGUMENT(target),
                                      TD_VALUE_ARGUMENT(rounding),
-                                     TD_BUFFER_ARGUMENT(p->misfits),
+                                     TD_BUFFER_ARGUMENT(p->tried.misfits),
                                      TD_VALUE_ARGUMENT(stride),
                                      TD_VALUE_ARGUMENT(asks_each)};
     return td_launch(p->device, p->misfit_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
@@ -73,14 +83,14 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
     if (request->count == 0) return TIDES_OK;
     double *host = td_alloc(all, sizeof *host, error);
     if (!host) return TIDES_NO_MEMORY;
-    tides_status status = td_buffer_write(p->device, &p->first, request->first, stride * sizeof(cl_int), error);
+    tides_status status = td_buffer_write(p->device, &p->tried.first, request->first, stride * sizeof(cl_int), error);
     if (status == TIDES_OK)
-        status = td_buffer_write(p->device, &p->piece_lengths, request->lengths, pieces * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, all * sizeof(cl_double), error);
+        status = td_buffer_write(p->device, &p->tried.lengths, request->lengths, pieces * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->tried.misfits, all * sizeof(cl_double), error);
     if (status == TIDES_OK)
         status = launch_misfits(p, td_exact_row_buffer(request->exact), td_exact_beside_buffer(request->exact), request,
                                 each > 0, error);
-    if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, all * sizeof *host, error);
+    if (status == TIDES_OK) status = td_buffer_read(p->device, &p->tried.misfits, host, all * sizeof *host, error);
     for (int i = 0; i < request->count && status == TIDES_OK; i++) {
         fit->worst[i] = (float)host[i];
     }
@@ -95,25 +105,25 @@ static tides_status make_splats(opencl_points *p, const td_points_group *added, 
     size_t local, global = td_even_items(p->base.lanes, count, &local);
     const td_buffer *rows = added->exact ? td_exact_row_buffer(added->exact) : &p->image;
     const td_buffer *rows_beside = added->exact ? td_exact_beside_buffer(added->exact) : &p->image;
-    const td_points_slices *slices = &p->at.slices;
+    const td_points_slices *slices = &p->interval.at.slices;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
                                      {rows, NULL, 0},
-                                     TD_BUFFER_ARGUMENT(p->row),
-                                     TD_BUFFER_ARGUMENT(p->lengths),
-                                     TD_BUFFER_ARGUMENT(p->seen),
-                                     TD_BUFFER_ARGUMENT(p->own),
-                                     TD_BUFFER_ARGUMENT(p->own_sights),
+                                     TD_BUFFER_ARGUMENT(p->group.row),
+                                     TD_BUFFER_ARGUMENT(p->group.lengths),
+                                     TD_BUFFER_ARGUMENT(p->group.seen),
+                                     TD_BUFFER_ARGUMENT(p->group.own),
+                                     TD_BUFFER_ARGUMENT(p->group.sights),
                                      TD_VALUE_ARGUMENT(count),
                                      TD_VALUE_ARGUMENT(from),
-                                     TD_BUFFER_ARGUMENT(p->path),
-                                     TD_BUFFER_ARGUMENT(p->sights),
+                                     TD_BUFFER_ARGUMENT(p->interval.path),
+                                     TD_BUFFER_ARGUMENT(p->interval.sights),
                                      TD_VALUE_ARGUMENT(slices->pieces),
                                      TD_VALUE_ARGUMENT(slices->count),
                                      TD_VALUE_ARGUMENT(slices->split),
                                      TD_VALUE_ARGUMENT(slices->group),
-                                     TD_BUFFER_ARGUMENT(p->curves),
-                                     TD_BUFFER_ARGUMENT(p->depths),
-                                     TD_BUFFER_ARGUMENT(p->records),
+                                     TD_BUFFER_ARGUMENT(p->interval.curves),
+                                     TD_BUFFER_ARGUMENT(p->interval.depths),
+                                     TD_BUFFER_ARGUMENT(p->interval.records),
                                      {rows_beside, NULL, 0},
                                      TD_BUFFER_ARGUMENT(p->beside)};
     return td_launch(p->device, p->splat_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
@@ -121,7 +131,8 @@ static tides_status make_splats(opencl_points *p, const td_points_group *added, 
 
 /* Room for so many curves; those that there are stay. */
 static tides_status grow_curves(opencl_points *p, size_t curves, tides_error *error) {
-    const tides_status status = td_buffer_grow(p->device, &p->curves, (curves + 1) * CURVE_REALS * sizeof(cl_double), error);
+    const tides_status status =
+        td_buffer_grow(p->device, &p->interval.curves, (curves + 1) * CURVE_REALS * sizeof(cl_double), error);
     if (status != TIDES_OK) return status;
     return td_buffer_grow(p->device, &p->beside, p->is_coded ? (curves + 1) * BESIDE_REALS * sizeof(cl_double) : 1, error);
 }
@@ -130,7 +141,8 @@ static tides_status grow_curves(opencl_points *p, size_t curves, tides_error *er
  * so room for all possible curves costs nothing. Elsewhere it grows with the requests. */
 static tides_status reserve_curves(opencl_points *p, int count, tides_error *error) {
     const size_t curves = p->device->near ? (size_t)count + 1 : 1, beside = p->is_coded ? curves * BESIDE_REALS : 1;
-    const tides_status status = td_buffer_reserve(p->device, &p->curves, curves * CURVE_REALS * sizeof(cl_double), error);
+    const tides_status status =
+        td_buffer_reserve(p->device, &p->interval.curves, curves * CURVE_REALS * sizeof(cl_double), error);
     return status == TIDES_OK ? td_buffer_reserve(p->device, &p->beside, beside * sizeof(cl_double), error) : status;
 }
 
@@ -139,7 +151,7 @@ static tides_status clear_paths(opencl_points *p, int gaussians, tides_error *er
     int *none = td_alloc((size_t)gaussians, sizeof *none, error);
     if (!none) return TIDES_NO_MEMORY;
     for (int i = 0; i < gaussians; i++) none[i] = TD_PATH_UNSEEN;
-    const tides_status status = td_buffer_write(p->device, &p->path, none, (size_t)gaussians * sizeof *none, error);
+    const tides_status status = td_buffer_write(p->device, &p->interval.path, none, (size_t)gaussians * sizeof *none, error);
     free(none);
     return status;
 }
@@ -155,19 +167,19 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
         const void *data; /* NULL: only room */
         size_t bytes;
     } wanted[] = {
-        {&p->candidates, interval->candidates, (size_t)interval->candidate_count * sizeof(cl_int)},
-        {&p->tiles, interval->tiles, tiles * sizeof *interval->tiles},
-        {&p->wanted, NULL, tiles * sizeof(cl_int)},
-        {&p->keys, NULL, 2 * candidates * sizeof(cl_long)},
-        {&p->places, NULL, candidates * LIST_INTS * sizeof(cl_int)},
-        {&p->sights, NULL, 2 * gaussians * sizeof(cl_int)},
-        {&p->tests, NULL, candidates * each},
-        {&p->depths, NULL, gaussians * sizeof(cl_int)},
-        {&p->records, NULL, gaussians * each},
-        {&p->counts, NULL, tiles * sizeof(cl_int)},
+        {&p->interval.candidates, interval->candidates, (size_t)interval->candidate_count * sizeof(cl_int)},
+        {&p->interval.tiles, interval->tiles, tiles * sizeof *interval->tiles},
+        {&p->list.wanted, NULL, tiles * sizeof(cl_int)},
+        {&p->list.keys, NULL, 2 * candidates * sizeof(cl_long)},
+        {&p->list.places, NULL, candidates * LIST_INTS * sizeof(cl_int)},
+        {&p->interval.sights, NULL, 2 * gaussians * sizeof(cl_int)},
+        {&p->list.tests, NULL, candidates * each},
+        {&p->interval.depths, NULL, gaussians * sizeof(cl_int)},
+        {&p->interval.records, NULL, gaussians * each},
+        {&p->list.counts, NULL, tiles * sizeof(cl_int)},
     };
-    p->at = *interval;
-    p->longest = 0;
+    p->interval.at = *interval;
+    p->interval.longest = 0;
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         tides_status status = td_buffer_reserve(p->device, wanted[i].buffer, wanted[i].bytes ? wanted[i].bytes : 1, error);
         if (status == TIDES_OK && wanted[i].data && wanted[i].bytes)
@@ -182,11 +194,12 @@ static tides_status add(td_points_engine *engine, const td_points_group *added, 
     opencl_points *p = (opencl_points *)engine;
     const size_t curves = (size_t)added->curves, seen = (size_t)added->seen_count * sizeof(cl_int);
     tides_status status = grow_curves(p, (size_t)added->first + curves, error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->row, added->row, 2 * curves * sizeof(cl_int), error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->lengths, added->lengths, curves * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->seen, added->seen, seen, error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->own, added->path, seen, error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->own_sights, added->sights, 2 * seen, error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->group.row, added->row, 2 * curves * sizeof(cl_int), error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(p->device, &p->group.lengths, added->lengths, curves * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->group.seen, added->seen, seen, error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->group.own, added->path, seen, error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->group.sights, added->sights, 2 * seen, error);
     return status == TIDES_OK ? make_splats(p, added, error) : status;
 }
 
@@ -194,23 +207,24 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
     opencl_points *p = (opencl_points *)engine;
     if (count == 0) return TIDES_OK;
     size_t local = on_gpu(p) ? GPU_GROUP : 1, global = (size_t)count * local;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->tiles),      TD_BUFFER_ARGUMENT(p->wanted),
-                                     TD_BUFFER_ARGUMENT(p->candidates), TD_BUFFER_ARGUMENT(p->path),
-                                     TD_BUFFER_ARGUMENT(p->sights),     TD_BUFFER_ARGUMENT(p->depths),
-                                     TD_BUFFER_ARGUMENT(p->records),    TD_VALUE_ARGUMENT(p->at.slices.count),
-                                     TD_BUFFER_ARGUMENT(p->keys),       TD_BUFFER_ARGUMENT(p->places),
-                                     TD_BUFFER_ARGUMENT(p->tests),      TD_BUFFER_ARGUMENT(p->counts)};
-    tides_status status = td_buffer_write(p->device, &p->wanted, tiles, (size_t)count * sizeof *tiles, error);
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->interval.tiles),      TD_BUFFER_ARGUMENT(p->list.wanted),
+                                     TD_BUFFER_ARGUMENT(p->interval.candidates), TD_BUFFER_ARGUMENT(p->interval.path),
+                                     TD_BUFFER_ARGUMENT(p->interval.sights),     TD_BUFFER_ARGUMENT(p->interval.depths),
+                                     TD_BUFFER_ARGUMENT(p->interval.records),    TD_VALUE_ARGUMENT(p->interval.at.slices.count),
+                                     TD_BUFFER_ARGUMENT(p->list.keys),           TD_BUFFER_ARGUMENT(p->list.places),
+                                     TD_BUFFER_ARGUMENT(p->list.tests),          TD_BUFFER_ARGUMENT(p->list.counts)};
+    tides_status status = td_buffer_write(p->device, &p->list.wanted, tiles, (size_t)count * sizeof *tiles, error);
     if (status == TIDES_OK)
         status = td_launch(p->device, p->list_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
     for (int i = 0; i < count; i++)
-        if (p->at.tiles[tiles[i]].count > p->longest) p->longest = p->at.tiles[tiles[i]].count;
+        if (p->interval.at.tiles[tiles[i]].count > p->interval.longest)
+            p->interval.longest = p->interval.at.tiles[tiles[i]].count;
     return td_finish(p->device, status, error);
 }
 
 /* Number of work-items for so many chunks, and their scratch. */
 static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, int *rows, tides_error *error) {
-    const size_t places = p->longest > 0 ? (size_t)p->longest : 1;
+    const size_t places = p->interval.longest > 0 ? (size_t)p->interval.longest : 1;
     const size_t room = places * (p->is_coded ? CODED_ENTRY_REALS : ENTRY_REALS) * (size_t)p->base.lanes * sizeof(cl_double);
     size_t most = on_gpu(p) ? GPU_WORKERS : (size_t)p->device->info.compute_units;
     if (most > room_limit / room) most = room_limit / room;
@@ -225,15 +239,15 @@ static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, i
 static tides_status send_batch(opencl_points *p, const td_points_batch *batch, size_t stride, tides_error *error) {
     static const cl_int nobody = 0;
     const size_t column = stride * sizeof(cl_double), used = (size_t)batch->count * sizeof(cl_double);
-    tides_status status = td_buffer_reserve(p->device, &p->columns, TD_POINT_COLUMNS * column, error);
+    tides_status status = td_buffer_reserve(p->device, &p->batch.columns, TD_POINT_COLUMNS * column, error);
     for (size_t k = 0; k < TD_POINT_COLUMNS && batch->count > 0 && status == TIDES_OK; k++)
-        status = td_buffer_write_at(p->device, &p->columns, k * column, batch->column[k], used, error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->piece, batch->piece, stride * sizeof(cl_int), error);
+        status = td_buffer_write_at(p->device, &p->batch.columns, k * column, batch->column[k], used, error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->batch.piece, batch->piece, stride * sizeof(cl_int), error);
     if (status == TIDES_OK)
-        status =
-            td_buffer_write(p->device, &p->chunks, batch->chunks, (size_t)batch->chunk_count * sizeof *batch->chunks, error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->turn, &nobody, sizeof nobody, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->values, 2 * stride * sizeof(cl_double), error);
+        status = td_buffer_write(p->device, &p->batch.chunks, batch->chunks, (size_t)batch->chunk_count * sizeof *batch->chunks,
+                                 error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->batch.turn, &nobody, sizeof nobody, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->batch.values, 2 * stride * sizeof(cl_double), error);
     return status;
 }
 
@@ -243,26 +257,26 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
     const cl_int chunks = batch->chunk_count;
     const td_points_backdrop behind = batch->backdrop;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
-                                     TD_BUFFER_ARGUMENT(p->tiles),
-                                     TD_BUFFER_ARGUMENT(p->counts),
-                                     TD_BUFFER_ARGUMENT(p->curves),
-                                     TD_VALUE_ARGUMENT(p->at.slices.pieces),
-                                     TD_VALUE_ARGUMENT(p->at.slices.count),
-                                     TD_VALUE_ARGUMENT(p->at.slices.split),
-                                     TD_VALUE_ARGUMENT(p->at.slices.group),
-                                     TD_BUFFER_ARGUMENT(p->places),
-                                     TD_BUFFER_ARGUMENT(p->tests),
-                                     TD_BUFFER_ARGUMENT(p->columns),
+                                     TD_BUFFER_ARGUMENT(p->interval.tiles),
+                                     TD_BUFFER_ARGUMENT(p->list.counts),
+                                     TD_BUFFER_ARGUMENT(p->interval.curves),
+                                     TD_VALUE_ARGUMENT(p->interval.at.slices.pieces),
+                                     TD_VALUE_ARGUMENT(p->interval.at.slices.count),
+                                     TD_VALUE_ARGUMENT(p->interval.at.slices.split),
+                                     TD_VALUE_ARGUMENT(p->interval.at.slices.group),
+                                     TD_BUFFER_ARGUMENT(p->list.places),
+                                     TD_BUFFER_ARGUMENT(p->list.tests),
+                                     TD_BUFFER_ARGUMENT(p->batch.columns),
                                      TD_VALUE_ARGUMENT(stride),
-                                     TD_BUFFER_ARGUMENT(p->piece),
-                                     TD_BUFFER_ARGUMENT(p->chunks),
+                                     TD_BUFFER_ARGUMENT(p->batch.piece),
+                                     TD_BUFFER_ARGUMENT(p->batch.chunks),
                                      TD_VALUE_ARGUMENT(chunks),
                                      TD_BUFFER_ARGUMENT(p->entries),
                                      TD_VALUE_ARGUMENT(rows),
                                      TD_VALUE_ARGUMENT(behind.first),
                                      TD_VALUE_ARGUMENT(behind.first_dot),
-                                     TD_BUFFER_ARGUMENT(p->values),
-                                     TD_BUFFER_ARGUMENT(p->turn),
+                                     TD_BUFFER_ARGUMENT(p->batch.values),
+                                     TD_BUFFER_ARGUMENT(p->batch.turn),
                                      TD_BUFFER_ARGUMENT(p->beside),
                                      TD_VALUE_ARGUMENT(behind.green),
                                      TD_VALUE_ARGUMENT(behind.blue)};
@@ -278,23 +292,26 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
     if (status == TIDES_OK) status = send_batch(p, batch, stride, error);
     if (status == TIDES_OK) status = launch_values(p, batch, items, rows, (cl_int)stride, error);
     if (status != TIDES_OK) return td_finish(p->device, status, error);
-    p->out = out;
-    p->out_bytes = 2 * (size_t)batch->count * sizeof *out;
+    p->batch.out = out;
+    p->batch.out_bytes = 2 * (size_t)batch->count * sizeof *out;
     return td_flush(p->device, error);
 }
 
 static tides_status finish(td_points_engine *engine, tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
-    const tides_status status = td_buffer_read(p->device, &p->values, p->out, p->out_bytes, error);
+    const tides_status status = td_buffer_read(p->device, &p->batch.values, p->batch.out, p->batch.out_bytes, error);
     return td_finish(p->device, status, error);
 }
 
 static void destroy(td_points_engine *engine) {
     opencl_points *p = (opencl_points *)engine;
-    td_buffer *buffers[] = {&p->first,   &p->piece_lengths, &p->misfits, &p->image,   &p->path,       &p->sights,  &p->row,
-                            &p->curves,  &p->candidates,    &p->lengths, &p->tiles,   &p->wanted,     &p->keys,    &p->places,
-                            &p->seen,    &p->own,           &p->depths,  &p->records, &p->own_sights, &p->tests,   &p->counts,
-                            &p->columns, &p->piece,         &p->chunks,  &p->values,  &p->turn,       &p->entries, &p->beside};
+    td_buffer *buffers[] = {&p->tried.first,         &p->tried.lengths,    &p->tried.misfits,  &p->image,
+                            &p->interval.path,       &p->interval.sights,  &p->group.row,      &p->interval.curves,
+                            &p->interval.candidates, &p->group.lengths,    &p->interval.tiles, &p->list.wanted,
+                            &p->list.keys,           &p->list.places,      &p->group.seen,     &p->group.own,
+                            &p->interval.depths,     &p->interval.records, &p->group.sights,   &p->list.tests,
+                            &p->list.counts,         &p->batch.columns,    &p->batch.piece,    &p->batch.chunks,
+                            &p->batch.values,        &p->batch.turn,       &p->entries,        &p->beside};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
     if (p->splat_kernel) clReleaseKernel(p->splat_kernel);
@@ -348,14 +365,14 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
     const td_points_group nothing_added = {.row = none, .lengths = no_length, .seen = none, .path = none, .sights = none};
     const td_points_batch batch = {{no_length, no_length, no_length, no_length}, none, 0, NULL, 0, {0, 0, 0, 0}};
     const td_points_misfits nobody = {NULL, 1, none, 0, 1, no_length, 1, 1};
-    td_buffer *misfit_buffers[] = {&p->first, &p->piece_lengths, &p->misfits};
+    td_buffer *misfit_buffers[] = {&p->tried.first, &p->tried.lengths, &p->tried.misfits};
     tides_status status = begin(&p->base, &interval, error);
     if (status == TIDES_OK) status = add(&p->base, &nothing_added, error);
     for (int i = 0; i < 3 && status == TIDES_OK; i++)
         status = td_buffer_reserve(p->device, misfit_buffers[i], sizeof(cl_double), error);
     if (status == TIDES_OK) status = launch_misfits(p, &p->image, &p->image, &nobody, 0, error);
     if (status == TIDES_OK) status = lists(&p->base, none, 1, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->chunks, sizeof(td_points_chunk), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->batch.chunks, sizeof(td_points_chunk), error);
     if (status == TIDES_OK) status = values(&p->base, &batch, NULL, error);
     return status == TIDES_OK ? finish(&p->base, error) : status;
 }

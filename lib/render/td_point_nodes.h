@@ -26,6 +26,37 @@ typedef struct td_point_span {
  * of two, so that rates keep their bits. */
 #define TD_POINT_INSTANT 0x1p-40
 
+/* The Gaussians whose paths are made together. Rows are places in the exact scene's memory. */
+typedef struct td_path_group {
+    int *gaussians; /* (count) in the store */
+    int count;
+    int *own;       /* (count) their paths */
+    uint8_t *level; /* (count) 2^level curves a piece */
+    int *open_at;   /* (count) place in `open` of a Gaussian that has rows of the level before; -1: all rows are its own */
+    uint8_t *open;  /* for each curve of the level before: 1 if it must be halved */
+    int open_count;
+    int *halve_from, *halve_to; /* (halves) first rows, in a level and in the next one */
+    int halves;
+    int *first; /* (count + TD_PAD) first rows */
+    int rows;
+    int *row;       /* (2 x curves) the rows at the ends of each curve */
+    double *length; /* (curves) [s] */
+    int curves;
+    uint8_t *is_direct; /* (count) 1: no curve follows it, so points that see it project all their splats at their own time */
+    int *tried;         /* (count + TD_PAD) first rows of the level that is tried, */
+    td_points_fit fit;  /* (count + TD_PAD) and how well its curves fit */
+    size_t open_capacity, each_capacity, row_capacity, length_capacity;
+} td_path_group;
+
+/* The nodes of a level, for the backend. */
+typedef struct td_path_jobs {
+    double *time;    /* of the level's nodes [s after the epoch] */
+    int *entry, *at; /* (entries) Gaussians and rows of the jobs */
+    td_node_job *list;
+    int entries, count;
+    size_t time_capacity, entry_capacity[2], capacity;
+} td_path_jobs;
+
 typedef struct td_point_nodes {
     td_exact *exact; /* its rows are valid until another user of the scene finds rows */
     int is_shared;   /* 1: it belongs to another td_point_nodes */
@@ -33,38 +64,21 @@ typedef struct td_point_nodes {
     double *knot;    /* (pieces + 1) ends of the pieces of the interval [s after the epoch] */
     int pieces;
     double *piece_length; /* (pieces) [s] */
-    int *path;            /* (store.count) first curves * TD_PATH_LEVELS + level; or TD_PATH_UNSEEN, ... */
-    int *listed;          /* (listed_count) those in a list, rising; so many have paths */
-    int listed_count, made;
+    int *path;            /* (store.count) first curve * TD_PATH_LEVELS + level; or TD_PATH_UNSEEN, ... */
+    int *listed;          /* (listed_count) the Gaussians in a list, rising */
+    int listed_count;
+    int made;    /* number of Gaussians with paths */
     int curves;  /* of all that have paths */
-    int *wanted; /* (wanted_count, at most listed_count) the next to get paths, rising */
+    int *wanted; /* (wanted_count, at most listed_count) the next Gaussians to get paths, rising */
     int wanted_count;
-    int group, some; /* so many are made together at most, and of more so many tell what pieces all have */
-    int *gaussians;  /* (count) the group at hand, from here on; */
-    int count;
-    int *own;       /* (count) their paths */
-    uint8_t *level; /* (count) 2^level curves a piece */
-    int *open_at;   /* (count) of those that have a level's rows from the one before, but for what was open: */
-    uint8_t *open;  /* from open[open_at[i]] on, each curve of the level before that; -1: all rows are their own */
-    int open_count;
-    int *halve_from, *halve_to; /* (halves) first rows, in a level and in the next one */
-    int halves;
-    int *first; /* (count + TD_PAD) first rows */
-    int rows;
-    int *row;       /* (2 x group_curves) the rows that each begins and ends with */
-    double *length; /* (group_curves) [s] */
-    int group_curves;
-    double halve;       /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
-    uint8_t *is_direct; /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c) */
-    int moving, bent;   /* those that move; of which paths are off by more than they should */
-    int *tried;         /* (count + TD_PAD) first rows of a level's, */
-    td_points_fit fit;  /* and how well they do: (count + TD_PAD) */
-    double *time;       /* of a level's nodes */
-    int *entry, *at;    /* (entries) Gaussians, and rows, of the jobs */
-    td_node_job *jobs;
-    int entries, job_count;
-    size_t open_capacity, each_capacity, knot_capacity, piece_capacity, row_capacity, length_capacity, time_capacity,
-        entry_capacity[2], job_capacity;
+    int group_size;  /* most Gaussians of a group */
+    int sample_size; /* of a longer list, as many Gaussians decide the pieces of all */
+    td_path_group group;
+    td_path_jobs jobs;
+    double halve; /* where to cut the span in two, each part with rows of its own [s after the epoch]; NAN: nowhere */
+    int moving;   /* number of Gaussians that move, */
+    int bent;     /* and of those whose paths have a larger error than allowed */
+    size_t knot_capacity, piece_capacity;
 } td_point_nodes;
 
 /* 1 for an instant, for which each Gaussian needs only one row. */

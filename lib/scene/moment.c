@@ -1,5 +1,5 @@
-/* An object's Gaussians at one time, moved by its motion: for bounding boxes, and for files of a single moment
- * (tides_scene_gaussians_at). In double, on the host. */
+/* An object's Gaussians at one time, moved by its motion: for bounding boxes, and for tides_scene_gaussians_at. They are
+ * computed in double, on the host. */
 #include "camera/td_rotation.h"
 #include "motion/td_motion.h"
 #include "td_math.h"
@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows for which a motion is asked at once: about 100 KB of geometry. */
+/* Rows that a motion computes per call: 128 KB of geometry and its rates. */
 enum { ROWS = 512, SH_STRIDE = 3 * (TIDES_SH_DEGREE_MAX + 1) * (TIDES_SH_DEGREE_MAX + 1) };
 
-/* Rows of a motion, computed in batches. */
+/* The rows of one call. */
 typedef struct batch {
     int32_t index[ROWS];
     double geometry[ROWS * TD_GEOMETRY_STRIDE], rates[ROWS * TD_GEOMETRY_STRIDE];
@@ -74,10 +74,11 @@ static void put_own_sh(const arrays *a, int64_t i) {
     for (int64_t k = 0; a->theta->sh && k < width; k++) a->theta->sh[width * i + k] = a->own->sh[width * i + k];
 }
 
-/* Converts a rendered row back to raw parameters. The columns of R diag(scale) have the scales as lengths. */
+/* Converts a row back to raw parameters: ln of scales, a quaternion, and the logit of opacity. The columns of the row's factor
+ * R diag(scale) have the scales as lengths. */
 static void put_row(void *user, int64_t i, const double *geometry, const double *sh) {
     const arrays *a = user;
-    const double *m = geometry + TD_G_FACTOR, least = ldexp(1, -24);
+    const double *m = geometry + TD_G_FACTOR, least = ldexp(1, -24); /* opacity 0 has no logit */
     double mean[3], log_scale[3], rotation[9], q[4];
     for (int k = 0; k < 3; k++) {
         const double length = fmax(sqrt(m[k] * m[k] + m[3 + k] * m[3 + k] + m[6 + k] * m[6 + k]), (double)FLT_MIN);

@@ -31,41 +31,42 @@ tides_status td_sensor_list(td_sensor *s, tides_error *error) {
         {"shot_off_drawn", NULL, s->noise.drawn[TD_NOISE_SHOT_OFF]},
         {"hot_due", s->noise.due[TD_NOISE_HOT], NULL},
         {"hot_drawn", NULL, s->noise.drawn[TD_NOISE_HOT]},
-        {"noise_segment", s->noise_segment, NULL},
-        {"noise_value", s->noise_value, NULL},
-        {"noise_light", s->noise_light, NULL},
-        {"filter_0", s->filter[0], NULL},
-        {"filter_1", s->filter[1], NULL},
-        {"filter_2", s->filter[2], NULL},
-        {"filter_3", s->filter[3], NULL},
-        {"filter_error", s->filter_error, NULL},
+        {"noise_segment", s->segment.number, NULL},
+        {"noise_value", s->segment.value, NULL},
+        {"noise_light", s->segment.light, NULL},
+        {"filter_0", s->filtered.state[0], NULL},
+        {"filter_1", s->filtered.state[1], NULL},
+        {"filter_2", s->filtered.state[2], NULL},
+        {"filter_3", s->filtered.state[3], NULL},
+        {"filter_error", s->filtered.error, NULL},
     };
     typedef char one_row_each[TD_FRONTEND_STATE == 4 ? 1 : -1];
     (void)sizeof(one_row_each);
-    s->carried = 0;
+    s->carried.count = 0;
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         const td_carried row = {all[i].name, all[i].real ? TD_STATE_REAL : TD_STATE_COUNT,
                                 all[i].real ? (void *)all[i].real : (void *)all[i].count};
         if (!row.values) continue; /* its block is off */
-        if (s->carried == TD_CARRIED_MAX)
+        if (s->carried.count == TD_CARRIED_MAX)
             return td_fail(error, TIDES_UNSUPPORTED, "a pixel carries more than %d numbers: raise TD_CARRIED_MAX",
                            (int)TD_CARRIED_MAX);
-        s->carry[s->carried++] = row;
+        s->carried.row[s->carried.count++] = row;
     }
     return TIDES_OK;
 }
 
 void td_sensor_state(td_sensor *s, td_state *state) {
-    for (int i = 0; i < s->carried; i++)
-        if (s->carry[i].name)
-            td_state_add(state, s->carry[i].name, s->carry[i].type, TD_STATE_PIXELS, s->count, s->carry[i].values);
+    for (int i = 0; i < s->carried.count; i++)
+        if (s->carried.row[i].name)
+            td_state_add(state, s->carried.row[i].name, s->carried.row[i].type, TD_STATE_PIXELS, s->count,
+                         s->carried.row[i].values);
 }
 
 /* Each value is copied into a 64-bit word. */
 void td_sensor_keep(const td_sensor *s, size_t pixel, td_kept_pixel *kept) {
-    kept->words = s->carried;
-    for (int i = 0; i < s->carried; i++) {
-        const td_carried *row = &s->carry[i];
+    kept->words = s->carried.count;
+    for (int i = 0; i < s->carried.count; i++) {
+        const td_carried *row = &s->carried.row[i];
         kept->word[i] = 0;
         if (row->type == TD_STATE_REAL)
             memcpy(&kept->word[i], (const double *)row->values + pixel, sizeof(double));
@@ -76,7 +77,7 @@ void td_sensor_keep(const td_sensor *s, size_t pixel, td_kept_pixel *kept) {
 
 void td_sensor_put_back(td_sensor *s, size_t pixel, const td_kept_pixel *kept) {
     for (int i = 0; i < kept->words; i++) {
-        const td_carried *row = &s->carry[i];
+        const td_carried *row = &s->carried.row[i];
         if (row->type == TD_STATE_REAL)
             memcpy((double *)row->values + pixel, &kept->word[i], sizeof(double));
         else

@@ -126,10 +126,10 @@ TD_WIDE static void gather_block(const tile_job *job, size_t first, size_t count
 static int step_filters(const tile_job *job, size_t at, size_t count, const double *const control[4],
                         double after[TD_FRONTEND_STATE][BLOCK], double *low, double *high) {
     const td_sensor *sensor = job->pixel.sensor;
-    const double h = job->pixel.step->length_s, *S = sensor->filter[0] + at;
+    const double h = job->pixel.step->length_s, *S = sensor->filtered.state[0] + at;
     if (sensor->frontend.kind == TD_FRONTEND_CIRCUIT) {
-        const double *const state[TD_FRONTEND_STATE] = {S, sensor->filter[1] + at, sensor->filter[2] + at,
-                                                        sensor->filter[3] + at};
+        const double *const state[TD_FRONTEND_STATE] = {S, sensor->filtered.state[1] + at, sensor->filtered.state[2] + at,
+                                                        sensor->filtered.state[3] + at};
         double *const to[TD_FRONTEND_STATE] = {after[0], after[1], after[2], after[3]};
         td_circuit_step_many(&sensor->frontend, h, sensor->log_eps, count, control, state, to, low, high);
         return TD_FRONTEND_STATE;
@@ -160,7 +160,7 @@ static void reject_filtered(const tile_job *job, size_t first, size_t count, dou
         outside[k] = wake[k] > stop ? flag : 1.0;
     }
     for (int s = 0; s < states; s++) {
-        double *state = sensor->filter[s] + at;
+        double *state = sensor->filtered.state[s] + at;
         for (size_t k = 0; k < count; k++) state[k] = outside[k] == 0.0 ? after[s][k] : state[k];
     }
 }
@@ -185,10 +185,10 @@ static void filter(const tile_job *job, td_pixel_step *pixel) {
     td_sensor *sensor = job->pixel.sensor;
     double state[TD_FRONTEND_STATE] = {0};
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
-        if (sensor->filter[k]) state[k] = sensor->filter[k][pixel->i];
+        if (sensor->filtered.state[k]) state[k] = sensor->filtered.state[k][pixel->i];
     td_frontend_step(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state, &pixel->response);
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
-        if (sensor->filter[k]) sensor->filter[k][pixel->i] = state[k];
+        if (sensor->filtered.state[k]) sensor->filtered.state[k][pixel->i] = state[k];
     pixel->end = state[0];
 }
 
@@ -228,10 +228,10 @@ static void sweep_noise(const tile_job *job, size_t first, size_t count, double 
     const size_t at = job->first + first;
     noise_block *noise = job->noise;
     td_model input[BLOCK];
-    memcpy(noise->segment, sensor->noise_segment + at, count * sizeof *noise->segment);
-    memcpy(noise->value, sensor->noise_value + at, count * sizeof *noise->value);
-    if (sensor->noise_light) {
-        memcpy(noise->light, sensor->noise_light + at, count * sizeof *noise->light);
+    memcpy(noise->segment, sensor->segment.number + at, count * sizeof *noise->segment);
+    memcpy(noise->value, sensor->segment.value + at, count * sizeof *noise->value);
+    if (sensor->segment.light) {
+        memcpy(noise->light, sensor->segment.light + at, count * sizeof *noise->light);
         for (size_t k = 0; k < count; k++) input[k] = light_of(job, first + k);
     }
     const td_noise_sweep sweep = {noise->segment, noise->value, low, high, noise->light, input};
@@ -283,9 +283,9 @@ static void take_levels(tile_job *job, size_t first, size_t count) {
 static void pass_over(const tile_job *job, size_t j) {
     td_sensor *sensor = job->pixel.sensor;
     if (!job->noise || !sensor->additive.on) return;
-    sensor->noise_segment[job->first + j] = job->noise->segment[j - job->begun];
-    sensor->noise_value[job->first + j] = job->noise->value[j - job->begun];
-    if (sensor->noise_light) sensor->noise_light[job->first + j] = job->noise->light[j - job->begun];
+    sensor->segment.number[job->first + j] = job->noise->segment[j - job->begun];
+    sensor->segment.value[job->first + j] = job->noise->value[j - job->begun];
+    if (sensor->segment.light) sensor->segment.light[job->first + j] = job->noise->light[j - job->begun];
 }
 
 static tides_status step_pixel(tile_job *job, size_t j) {
@@ -404,7 +404,7 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
                        "sensor: kick_recovery_s is %g, too short for a step of %g s: at least a %gth of it",
                        1e-9 * sensor->kick.recovery_ns, step->length_s, TD_KICK_STEP_MAX);
     job.pixel.start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
-    job.stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* stop_ns may be 1 less and is floored */
+    job.stop = (double)(step->stop_ns - sensor->start.ns) + 2; /* stop_ns may be 1 less and is floored */
     job.noise = sensor->additive.on || sensor->kick.on ? &noise : NULL;
     for (size_t done = 0; done < pixels; done += BLOCK) {
         const size_t count = pixels - done < BLOCK ? pixels - done : BLOCK;
@@ -432,7 +432,7 @@ static tides_status advance_pixel(const td_pixel_job *pixel, const td_sensor_sin
                     .signals = &signals,
                     .coverage = &single->coverage,
                     .pieces = single->pieces};
-    job.stop = (double)(single->step->stop_ns - pixel->sensor->start_ns) + 2; /* stop_ns may be 1 less */
+    job.stop = (double)(single->step->stop_ns - pixel->sensor->start.ns) + 2; /* stop_ns may be 1 less */
     take_levels(&job, 0, 1);
     tides_status status = step_pixel(&job, 0);
     *counts = job.pixel.counts;

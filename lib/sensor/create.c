@@ -131,8 +131,8 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, double leak, size
         if (sensor->noise.due[k]) sensor->noise.due[k][i] = INFINITY;
     if (sensor->number) sensor->number[i] = pixel;
     if (sensor->additive.on) {
-        sensor->noise_segment[i] = 0;
-        sensor->noise_value[i] = 0;
+        sensor->segment.number[i] = 0;
+        sensor->segment.value[i] = 0;
     }
     td_sensor_set_wake(sensor, i);
 }
@@ -163,10 +163,10 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         if (!(*arrays[k] = td_alloc(sensor->count, sizeof **arrays[k], error))) return TIDES_NO_MEMORY;
     if (sensor->additive.on) {
-        sensor->noise_segment = td_alloc(sensor->count, sizeof *sensor->noise_segment, error);
-        sensor->noise_value = td_alloc(sensor->count, sizeof *sensor->noise_value, error);
-        if (!sensor->noise_segment || !sensor->noise_value) return TIDES_NO_MEMORY;
-        if (sensor->additive.varies && !(sensor->noise_light = td_alloc(sensor->count, sizeof *sensor->noise_light, error)))
+        sensor->segment.number = td_alloc(sensor->count, sizeof *sensor->segment.number, error);
+        sensor->segment.value = td_alloc(sensor->count, sizeof *sensor->segment.value, error);
+        if (!sensor->segment.number || !sensor->segment.value) return TIDES_NO_MEMORY;
+        if (sensor->additive.varies && !(sensor->segment.light = td_alloc(sensor->count, sizeof *sensor->segment.light, error)))
             return TIDES_NO_MEMORY;
     }
     if (sensor->additive.on || sensor->kick.on) {
@@ -178,10 +178,11 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
                  : sensor->frontend.kind == TD_FRONTEND_HIGHPASS ? 2
                                                                  : TD_FRONTEND_STATE;
     for (int k = 0; k < states; k++)
-        if (!(sensor->filter[k] = td_alloc(sensor->count, sizeof *sensor->filter[k], error))) return TIDES_NO_MEMORY;
+        if (!(sensor->filtered.state[k] = td_alloc(sensor->count, sizeof *sensor->filtered.state[k], error)))
+            return TIDES_NO_MEMORY;
     if (sensor->frontend.kind == TD_FRONTEND_CONSTANT || sensor->frontend.kind == TD_FRONTEND_INTENSITY) {
-        sensor->filter_error = td_alloc(sensor->count, sizeof *sensor->filter_error, error);
-        if (!sensor->filter_error) return TIDES_NO_MEMORY;
+        sensor->filtered.error = td_alloc(sensor->count, sizeof *sensor->filtered.error, error);
+        if (!sensor->filtered.error) return TIDES_NO_MEMORY;
     }
     sensor->reach = td_alloc(sensor->count, sizeof *sensor->reach, error);
     if (!sensor->reach) return TIDES_NO_MEMORY;
@@ -233,8 +234,8 @@ static tides_status set_blocks(td_sensor *sensor, const td_maps *maps, double st
     sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || sensor->kick.on || surround);
     sensor->on = sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 ||
                  params->threshold_parity != 0 || params->dead_pixel_fraction > 0;
-    sensor->start_ns = first.start_ns;
-    sensor->start_fraction = first.start_fraction;
+    sensor->start.ns = first.start_ns;
+    sensor->start.fraction = first.start_fraction;
     return TIDES_OK;
 }
 
@@ -274,16 +275,16 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
 void td_sensor_release(td_sensor *sensor) {
     double *arrays[] = {sensor->threshold_on, sensor->threshold_off, sensor->leak,           sensor->held_until,
                         sensor->since,        sensor->wake,          sensor->pixels.initial, sensor->pixels.reference,
-                        sensor->draw};
+                        sensor->first.draw};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
-    for (int k = 0; k < TD_FRONTEND_STATE; k++) free(sensor->filter[k]);
+    for (int k = 0; k < TD_FRONTEND_STATE; k++) free(sensor->filtered.state[k]);
     free(sensor->pixels.count_on);
     free(sensor->pixels.count_off);
-    free(sensor->filter_error);
+    free(sensor->filtered.error);
     free(sensor->reach);
-    free(sensor->noise_segment);
-    free(sensor->noise_value);
-    free(sensor->noise_light);
+    free(sensor->segment.number);
+    free(sensor->segment.value);
+    free(sensor->segment.light);
     free(sensor->number);
     td_shot_noise_release(&sensor->noise);
     memset(sensor, 0, sizeof *sensor);

@@ -46,7 +46,7 @@ static td_initial steady(const td_sensor *sensor, size_t i, double L) {
     if (sensor->additive.on) return td_steady_noise(sensor, i, rate);
     const double climb = leak > 0 ? on / leak : INFINITY;
     if (!(leak > 0) && !(rate > 0)) return (td_initial){0, 0, 0};
-    const double age = age_at(sensor->draw[i], held, holds ? climb : fmax(climb - held, 0), rate);
+    const double age = age_at(sensor->first.draw[i], held, holds ? climb : fmax(climb - held, 0), rate);
     const double climbed = leak * (holds ? fmax(age - held, 0) : age);
     td_initial at = {climbed, age, fmax(held - age, 0)};
     if (at.offset >= on) at.offset = fmod(at.offset, on); /* rounding, or crossings lost in the refractory period */
@@ -56,9 +56,9 @@ static td_initial steady(const td_sensor *sensor, size_t i, double L) {
 td_initial td_sensor_initial(const td_sensor *sensor, size_t i, double L) {
     td_initial at = {0, 0, 0};
     const double on = td_sensor_threshold_on(sensor, i), off = td_sensor_threshold_off(sensor, i);
-    if (!sensor->draw || on >= TD_OUT_OF_REACH) return at;
+    if (!sensor->first.draw || on >= TD_OUT_OF_REACH) return at;
     if (sensor->sensor.initial == TIDES_INITIAL_STEADY) return steady(sensor, i, L);
-    at.offset = sensor->draw[i] * (on + off) - off;
+    at.offset = sensor->first.draw[i] * (on + off) - off;
     return at;
 }
 
@@ -69,30 +69,30 @@ static int draws(const td_sensor *sensor) {
 
 tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, tides_error *error) {
     if (!draws(sensor)) return TIDES_OK;
-    sensor->draw = td_alloc(sensor->count, sizeof *sensor->draw, error);
-    if (!sensor->draw) return TIDES_NO_MEMORY;
+    sensor->first.draw = td_alloc(sensor->count, sizeof *sensor->first.draw, error);
+    if (!sensor->first.draw) return TIDES_NO_MEMORY;
     if (sensor->additive.on) td_steady_begin(sensor);
     for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
         for (int32_t k = 0; k < tiles[t].count; k++, i++) {
             const int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
             const uint32_t pixel = (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x;
             const td_random_bits bits = td_random(sensor->sensor.seed, pixel, 0, TD_RANDOM_INITIAL);
-            sensor->draw[i] = td_random_uniform(&bits, 0);
+            sensor->first.draw[i] = td_random_uniform(&bits, 0);
         }
     return TIDES_OK;
 }
 
 void td_sensor_refer(td_sensor *sensor, size_t i, double L) {
-    const double offset = sensor->draw ? td_sensor_initial(sensor, i, L).offset : 0;
+    const double offset = sensor->first.draw ? td_sensor_initial(sensor, i, L).offset : 0;
     sensor->pixels.initial[i] = sensor->pixels.reference[i] = L - offset;
 }
 
 /* Starts the pixel's noise as a process that has gone on for ever in this light. */
 static void begin_noise(td_sensor *sensor, size_t i, double L) {
     const double light = isfinite(L) ? L : 0;
-    sensor->noise_segment[i] = 0;
-    sensor->noise_value[i] = td_additive_noise_first(&sensor->additive, sensor->number[i], light);
-    if (sensor->noise_light) sensor->noise_light[i] = light;
+    sensor->segment.number[i] = 0;
+    sensor->segment.value[i] = td_additive_noise_first(&sensor->additive, sensor->number[i], light);
+    if (sensor->segment.light) sensor->segment.light[i] = light;
 }
 
 void td_sensor_begin(td_sensor *sensor, const double *L) {
@@ -101,8 +101,8 @@ void td_sensor_begin(td_sensor *sensor, const double *L) {
         double state[TD_FRONTEND_STATE] = {0}, rest = L[i];
         if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
         for (int k = 0; k < TD_FRONTEND_STATE; k++)
-            if (sensor->filter[k]) sensor->filter[k][i] = state[k];
-        if (sensor->filter_error) sensor->filter_error[i] = 0;
+            if (sensor->filtered.state[k]) sensor->filtered.state[k][i] = state[k];
+        if (sensor->filtered.error) sensor->filtered.error[i] = 0;
         if (sensor->additive.on) {
             begin_noise(sensor, i, L[i]);
             rest += td_sensor_noise_at(sensor, i, 0);
@@ -110,7 +110,7 @@ void td_sensor_begin(td_sensor *sensor, const double *L) {
         const td_initial at = td_sensor_initial(sensor, i, L[i]);
         pixels->initial[i] = pixels->reference[i] = rest - at.offset;
         pixels->count_on[i] = pixels->count_off[i] = 0;
-        if (!sensor->draw || !sensor->on) continue;
+        if (!sensor->first.draw || !sensor->on) continue;
         sensor->since[i] = -at.age;
         if (at.held > 0) sensor->held_until[i] = at.held;
         td_sensor_set_wake(sensor, i);

@@ -149,9 +149,9 @@ static void end_segments(walk *w) {
     td_sensor *sensor = w->job->sensor;
     if (!sensor->additive.on) return;
     seek_segment(w, 1);
-    sensor->noise_segment[w->pixel->i] = (double)w->segment.k;
-    sensor->noise_value[w->pixel->i] = w->segment.begin;
-    if (sensor->noise_light) sensor->noise_light[w->pixel->i] = w->segment.light;
+    sensor->segment.number[w->pixel->i] = (double)w->segment.k;
+    sensor->segment.value[w->pixel->i] = w->segment.begin;
+    if (sensor->segment.light) sensor->segment.light[w->pixel->i] = w->segment.light;
 }
 
 /* S_eff at the step's end: the given one, which the response may miss by rounding. */
@@ -237,8 +237,8 @@ static double next_noise(const walk *w, int *source) {
     const td_step *step = w->job->step;
     double due;
     *source = td_shot_noise_next(&sensor->noise, w->pixel->i, &due);
-    if (*source < 0 || !(due <= (double)(step->stop_ns - sensor->start_ns))) return never;
-    double s = place_of(w, due - sensor->start_fraction);
+    if (*source < 0 || !(due <= (double)(step->stop_ns - sensor->start.ns))) return never;
+    double s = place_of(w, due - sensor->start.fraction);
     return s < w->s ? w->s : s > 1 ? 1 : s;
 }
 
@@ -254,7 +254,7 @@ static tides_status fire_noise(walk *w, int source, double s) {
     double due = w->job->sensor->noise.due[source][w->pixel->i];
     if (!take_noise(w, source, s)) return TIDES_OK;
     int polarity = source == TD_NOISE_SHOT_OFF ? -1 : 1, cause = source == TD_NOISE_HOT ? TIDES_CAUSE_HOT : TIDES_CAUSE_SHOT;
-    tides_status status = emit(w, s, w->job->sensor->start_ns + (int64_t)due, polarity, cause);
+    tides_status status = emit(w, s, w->job->sensor->start.ns + (int64_t)due, polarity, cause);
     if (status != TIDES_OK) return status;
     rereference(w, s);
     begin_refractory(w, s);

@@ -64,7 +64,7 @@ void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile 
     }
     if (!sensor->on) return;
     const double start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
-    const double stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* + 2: the stop is rounded down, and may be one less */
+    const double stop = (double)(step->stop_ns - sensor->start.ns) + 2; /* + 2: the stop is rounded down, and may be one less */
     for (int32_t i = 0; i < tile->count; i++) {
         const size_t k = first + (size_t)i;
         const double still = stays(signals, h, i, sensor->leak[k] * start, sensor->leak[k] * step->length_ns, widen[i],

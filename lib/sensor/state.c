@@ -6,9 +6,9 @@
 #include <math.h>
 
 td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel) {
-    const double light = sensor->noise_light ? sensor->noise_light[pixel] : 0;
-    return td_additive_noise_resume(&sensor->additive, sensor->number[pixel], (uint64_t)sensor->noise_segment[pixel],
-                                    sensor->noise_value[pixel], light);
+    const double light = sensor->segment.light ? sensor->segment.light[pixel] : 0;
+    return td_additive_noise_resume(&sensor->additive, sensor->number[pixel], (uint64_t)sensor->segment.number[pixel],
+                                    sensor->segment.value[pixel], light);
 }
 
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
@@ -24,7 +24,7 @@ double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
 
 double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double time) {
     if (!sensor->on) return L;
-    double S = (sensor->frontend.on ? sensor->filter[0][pixel] : L) + sensor->leak[pixel] * time;
+    double S = (sensor->frontend.on ? sensor->filtered.state[0][pixel] : L) + sensor->leak[pixel] * time;
     return S + td_sensor_noise_at(sensor, pixel, time);
 }
 

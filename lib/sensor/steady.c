@@ -28,13 +28,13 @@ void td_steady_begin(td_sensor *sensor) {
     enum { PARTS = 16 };
     const double dz = 1.0 / (TD_PASSAGES_PER_SIGMA * PARTS);
     double time = 0;
-    sensor->passage[0] = INFINITY;
+    sensor->first.passage[0] = INFINITY;
     for (int k = 1; k < TD_PASSAGES; k++) {
         for (int j = 0; j < PARTS; j++) {
             const double z = ((k - 1) * PARTS + j + 0.5) * dz;
             time += dz * time_per_sigma(z);
         }
-        sensor->passage[k] = 1 / time;
+        sensor->first.passage[k] = 1 / time;
     }
 }
 
@@ -44,7 +44,7 @@ static double hazard_at(const td_sensor *sensor, double u) {
     const double nearest = 0.5, place = fmax(u, nearest) * TD_PASSAGES_PER_SIGMA;
     if (!(place < TD_PASSAGES - 1)) return 0;
     const int k = (int)place;
-    return sensor->passage[k] * td_pow(sensor->passage[k + 1] / sensor->passage[k], place - k);
+    return sensor->first.passage[k] * td_pow(sensor->first.passage[k + 1] / sensor->first.passage[k], place - k);
 }
 
 /* -- slow events ----------------------------------------------------------------------------------------------------------- */
@@ -162,7 +162,7 @@ td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate) {
     p.held = sensor->refractory_ns;
     p.sigma = noise->varies ? at.sigma : noise->sigma;
     p.tau = noise->varies ? at.tau_ns : td_additive_noise_tau(noise);
-    p.o = sensor->draw[i] * (p.on + p.off) - p.off;
+    p.o = sensor->first.draw[i] * (p.on + p.off) - p.off;
     if (!(p.sigma > 0)) return (td_initial){p.o, 0, 0};
     const double now = td_sensor_noise_at(sensor, i, 0);
     pass_slowly(&p, rate);

@@ -93,8 +93,10 @@ typedef struct td_sensor {
     int exhaustive;     /* 1: every pixel is solved (for tests, and to measure what passing over saves) */
     int32_t model, image_width;
     double log_eps;
-    int64_t start_ns; /* the run's start, rounded down, and the rest */
-    double start_fraction;
+    struct {
+        int64_t ns; /* the run's start, rounded down, and the rest */
+        double fraction;
+    } start;
     size_t count; /* pixels, in the simulator's order; the length of arrays */
     td_pixels pixels;
     /* of the blocks */
@@ -105,20 +107,28 @@ typedef struct td_sensor {
     double *since;        /* last event, re-reference or consumed crossing: the ramp's share of a crossing counts from there */
     double *wake;         /* the first time at which the pixel must be handled whatever its signal does */
     unsigned char *reach; /* 1: may have fired in this macro step, for estimates */
-    uint64_t maps_checksum;      /* of the file of maps; 0: there was none */
-    double *draw;                /* in (0, 1): places the first reference between the levels; NULL: it is at the signal */
-    double passage[TD_PASSAGES]; /* hazards h(u) of additive noise, for `draw` */
+    uint64_t maps_checksum; /* of the file of maps; 0: there was none */
+    struct {
+        double *draw;                /* (count) in (0, 1): places the first reference between the levels; NULL: at the signal */
+        double passage[TD_PASSAGES]; /* hazards h(u) of additive noise, for `draw` */
+    } first;
     td_frontend frontend;
-    double *filter[TD_FRONTEND_STATE]; /* state of the filters; the first is S at the time reached */
-    double *filter_error;              /* and the error of S, of a first-order filter only: the solver's */
+    struct {
+        double *state[TD_FRONTEND_STATE]; /* state of the filters; the first is S at the time reached */
+        double *error;                    /* and the error of S, of a first-order filter only: the solver's */
+    } filtered;
     td_shot_noise noise;
     td_additive_noise additive;
     td_kick kick;
-    double *noise_segment, *noise_value; /* its segment at the time reached: number, value at its begin [log units], */
-    double *noise_light;                 /* and log-luminance there, of noise that depends on light */
-    uint32_t *number;                    /* and the pixel's number in the image */
-    td_carried carry[TD_CARRIED_MAX];    /* the list of what is carried */
-    int carried;                         /* number of its rows */
+    struct {
+        double *number, *value; /* additive noise's segment at the time reached: its number, value at its begin [log units], */
+        double *light;          /* and log-luminance there, of noise that depends on light */
+    } segment;
+    uint32_t *number; /* the pixel's number in the image, for additive noise */
+    struct {
+        td_carried row[TD_CARRIED_MAX];
+        int count;
+    } carried; /* the list of what is carried from step to step */
 } td_sensor;
 
 /* Checks the parameters of the comparator, and the model: TIDES_BAD_ARGUMENT naming the field. */
@@ -245,7 +255,7 @@ void td_sensor_put_back(td_sensor *sensor, size_t pixel, const td_kept_pixel *ke
 
 /* A time in [ns] since the run's start. */
 static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double fraction) {
-    return (double)(ns - sensor->start_ns) + (fraction - sensor->start_fraction);
+    return (double)(ns - sensor->start.ns) + (fraction - sensor->start.fraction);
 }
 
 /* -- between steps --------------------------------------------------------------------------------------------------------- */

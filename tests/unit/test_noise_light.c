@@ -199,8 +199,8 @@ static void test_any_steps(void **state) {
                 const tides_event *a = &first->work.events.events[e], *b = &r->work.events.events[e];
                 assert_true(llabs((long long)(a->t - b->t)) <= (k == 0 ? 0 : 2));
             }
-            if (k == 0) assert_memory_equal(r->sensor.noise_value, first->sensor.noise_value, r->pixels * sizeof(double));
-            if (k == 0) assert_memory_equal(r->sensor.noise_light, first->sensor.noise_light, r->pixels * sizeof(double));
+            if (k == 0) assert_memory_equal(r->sensor.segment.value, first->sensor.segment.value, r->pixels * sizeof(double));
+            if (k == 0) assert_memory_equal(r->sensor.segment.light, first->sensor.segment.light, r->pixels * sizeof(double));
             rig_free(r);
         }
         rig_free(first);

@@ -117,7 +117,7 @@ static void test_tile_is_its_pixels(void **state) {
         sensor.leak_rate_hz = 3;
         rig *r = rig_make(&sensor, 2, 0, waves, NULL);
         double S[2 * RIG_PIXELS];
-        memcpy(S, r->sensor.filter[0], sizeof S);
+        memcpy(S, r->sensor.filtered.state[0], sizeof S);
         for (int n = 1; n <= 60; n++) {
             const double *now = r->plane[0], *rate = r->plane[1], *next = r->plane[3], *next_rate = r->plane[4];
             td_step step;
@@ -130,7 +130,7 @@ static void test_tile_is_its_pixels(void **state) {
                 td_frontend_step(&r->sensor.frontend, step.length_s, &input, 1e-3, memory, &response);
                 S[i] = memory[0];
             }
-            assert_memory_equal(S, r->sensor.filter[0], sizeof S);
+            assert_memory_equal(S, r->sensor.filtered.state[0], sizeof S);
         }
         assert_true(r->work.counts.solved > 100 && r->work.counts.solved < 60 * r->pixels / 2); /* both ways were taken */
         rig_free(r);
@@ -160,7 +160,7 @@ static void expect_as_its_pixels(const tides_sensor *sensor, double length, int 
     }
     assert_true(moved <= events->count / 100);
     for (size_t i = 0; i < fast->pixels; i++) {
-        assert_true(fabs(fast->sensor.filter[0][i] - slow->sensor.filter[0][i]) <= TD_FRONTEND_TOLERANCE);
+        assert_true(fabs(fast->sensor.filtered.state[0][i] - slow->sensor.filtered.state[0][i]) <= TD_FRONTEND_TOLERANCE);
         assert_int_equal(fast->sensor.pixels.count_on[i], slow->sensor.pixels.count_on[i]);
     }
     if (length <= 1e-3) assert_true(fast->work.counts.solved < slow->work.counts.solved / 2); /* both ways were taken */

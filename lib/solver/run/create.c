@@ -234,7 +234,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (status == TIDES_OK)
         status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->layout.width, s->layout.tile, s->layout.tiles,
                                   &s->sensor, error);
-    s->sensor.start_ns += s->grid.epoch_ns;
+    s->sensor.start.ns += s->grid.epoch_ns;
     if (status == TIDES_OK)
         status = td_kick_make(sensor, s->epoch, &s->sensor.kick, error); /* the frames' times count from the run's start */
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);

@@ -1,10 +1,12 @@
-/* The readout in a run. After each step on the grid its events go through the arbiter, with the activity at the step's end. The
- * arbiter and its queues are in lib/readout; the activity of tiles is measured here.
+/* The readout in a run. After each macro step its events go through the arbiter, with the activity at the macro step's end. The
+ * arbiter and its queues are in lib/readout; the activity of its tiles (tile_px wide) is measured here. The filters behind the
+ * readout are attached here, too.
  *
- * psi of a tile is the mean of three shares, each at most 1: the pixels' mean |L_dot| / C over 100 per second (C is the mean of
- * both nominal thresholds), their mean |alpha_dot| over 100 per second, and their mean number of contributors over 64. 100
- * events per second and pixel are as many as busy tiles of recordings have; 64 is also the norm of contributors in the risk
- * score. In a tile in which nothing moved in the step both rates are 0. */
+ * The activity psi of a tile is the mean of three shares, each at most 1:
+ *   - the mean of |L_dot| / C over the tile's pixels, divided by 100 1/s; C is the mean of both nominal thresholds
+ *   - the mean of |alpha_dot|, divided by 100 1/s
+ *   - the mean number of contributors, divided by 64, as in the risk score.
+ * Busy tiles of recordings have 100 events per second and pixel. Where nothing moved in the macro step, both rates are 0. */
 #include "signal/td_event_sort.h"
 #include "solver/td_simulator.h"
 #include "td_struct.h"
@@ -16,7 +18,7 @@ static const double full_rate = 100, full_contributors = 64;
 
 /* -- attaching ------------------------------------------------------------------------------------------------------------- */
 
-/* Makes samples have diagnostics from now on. */
+/* Makes samples keep the planes of diagnostics from now on: the activity is computed from them. */
 static tides_status keep_all(tides_simulator *s, tides_error *error) {
     size_t pixels = s->layout.first_pixel[s->layout.tiles];
     for (int p = TD_PLANES_SIGNAL; p < TD_PLANES_ALL; p++) {
@@ -37,7 +39,7 @@ static tides_status attach(tides_simulator *s, const tides_readout *params, tide
     if (status != TIDES_OK) return status;
     tides_arbiter_start(readout->arbiter, s->grid.epoch_ns);
     readout->params = *params;
-    if (!td_arbiter_has_ticks(readout->arbiter)) return TIDES_OK; /* nor does it use activity */
+    if (!td_arbiter_has_ticks(readout->arbiter)) return TIDES_OK; /* activity isn't used without ticks */
     tides_arbiter_tiles(readout->arbiter, &readout->across, &down);
     readout->psi = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->psi, error);
     readout->pixels = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->pixels, error);
@@ -128,7 +130,8 @@ static void measure_activity(tides_simulator *s) {
 
 /* -- events -------------------------------------------------------------------------------------------------------------- */
 
-/* A tides_readout_sink: keeps the events that leave the readout, for the packet. */
+/* A tides_readout_sink: keeps the events that leave the readout, for the packet. It stops (TIDES_CANCELLED) only if memory is
+ * short. */
 static int take(void *user, const tides_event *events, const int64_t *fired, size_t count) {
     td_run_readout *readout = user;
     tides_status status = td_reserve((void **)&readout->events, &readout->events_capacity, readout->count + count,

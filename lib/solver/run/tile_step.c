@@ -92,16 +92,16 @@ void td_time_events(const tides_simulator *s, td_portion *portion, const td_refi
                       .signals = &signals,
                       .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
                       .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
-                      .adds = !holds                   ? 1
-                              : s->sensor.filter_error ? hold_adds_behind
-                                                       : hold_adds,
+                      .adds = !holds                     ? 1
+                              : s->sensor.filtered.error ? hold_adds_behind
+                                                         : hold_adds,
                       .held = holds ? s->sensor.refractory_ns / compared->step->length_ns : 0,
                       .is_last = td_refine_ends_run(s, refined),
                       .levels = td_sensor_levels(&s->sensor, compared->step, s->layout.first_pixel[refined->tile]),
                       .frontend = &s->sensor.frontend,
                       .log_eps = s->sensor.log_eps,
                       .filter_error =
-                          s->sensor.filter_error ? s->sensor.filter_error + s->layout.first_pixel[refined->tile] : NULL,
+                          s->sensor.filtered.error ? s->sensor.filtered.error + s->layout.first_pixel[refined->tile] : NULL,
                       .events = events->count > first ? events->events + first : NULL,
                       .count = events->count - first};
     td_timing_add(&portion->timing, &timed);
