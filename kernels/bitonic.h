@@ -7,13 +7,13 @@
 
 #if TD_LANES > 1
 
-/* How many keys are sorted for a list of `count`: one vector of 8, 16 or 32 keys, or a multiple of 64 keys. */
+/* How many keys are sorted for a list of `count`: 8, 16 or 32, or a multiple of 64. */
 static int td_capacity(int count) {
     if (count > 32) return (count + 63) / 64 * 64;
     return count > 16 ? 32 : count > 8 ? 16 : 8;
 }
 
-/* Each run of 8 in order: the first three levels of the network within a vector. */
+/* Sorts the 8 keys of a vector: the network's merges to runs of 2, 4 and 8. */
 static long8 td_sort_8(long8 x) {
     long8 y = x.s10325476, low = min(x, y), high = max(x, y);
     x = (long8)(low.s0, high.s1, low.s2, high.s3, low.s4, high.s5, low.s6, high.s7);
@@ -54,8 +54,8 @@ static long8 td_clean_8(long8 x) {
         b = high.s76543210;                              \
     } while (0)
 
-/* Runs of 64 keys are eight vectors that stay in registers. They are written out, because PoCL keeps an array that a loop goes
- * through in memory. They save half of the network's stores, and on Zen 4 a store of 512 bits takes two cycles. */
+/* Runs of 64 keys are eight vectors that stay in registers. They are written out, because PoCL keeps an array in memory if a
+ * loop goes through it. They save half of the network's stores, and on Zen 4 a store of 512 bits takes two cycles. */
 #define TD_EACH_8(at) at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)
 #define TD_LOAD_KEYS(i) v##i = vload8(i, keys)
 #define TD_STORE_KEYS(i) vstore8(v##i, i, keys)

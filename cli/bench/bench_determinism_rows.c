@@ -35,7 +35,7 @@ const determinism_run determinism_runs[] =
      {.name = NULL}};
 
 /* reference-f32, the kernels' arithmetic in scalar C, is among the ways because it must equal the device to the bit.
- * reference-f64 computes in double and gives other events, so that it isn't among them.
+ * The device "reference" computes in double and gives other events, so it isn't among them.
  *
  * THREADS, HOST and METHOD make a way's environment variables with their values. */
 #define THREADS(count) \

@@ -237,11 +237,11 @@ static void print_table(const live_rows *all) {
     }
 }
 
-/* Draws how many percent of the steps take at most a time, a point for every second percent. */
+/* Draws the share of steps [%] within each latency, a point every 2 %. */
 static tides_status draw(const bench *b, const live_rows *all, tides_error *error) {
     enum { CURVES_MAX = CANVAS_SERIES, POINTS = 50 };
     double ms[CURVES_MAX][POINTS], percent[POINTS];
-    cli_canvas canvas = bench_canvas(b, 1000, 720, "from a pose told to its events: 346x260, a pose every millisecond");
+    cli_canvas canvas = bench_canvas(b, 1000, 720, "from a pose to its events: 346x260, a pose every millisecond");
     plot_panel panel = {.left = 120, .top = 110, .right = 960, .bottom = 560, .y_high = 100, .y_linear = 1};
     plot_curve curves[CURVES_MAX];
     char labels[CURVES_MAX][96];

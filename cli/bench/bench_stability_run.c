@@ -1,13 +1,15 @@
-/* Measures one row of `tides bench stability`: the device beside an ordinary world, then the float reference, whose bits the
- * device must match, and the double reference, against which rounding is measured. */
+/* Measures one row of `tides bench stability` on the device, and an ordinary world of its size for comparison of run times.
+ * The references follow: the device must match the float reference's bits, and rounding is measured against the double
+ * reference. */
 #include "bench_stability.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The least time of several runs counts, which other load of the machine affects less. Runs below LONG_RUN_S are repeated once,
- * because in the first one PoCL may build kernels (a second, with an empty cache). Those below SHORT_RUN_S have RUNS runs. */
+/* The least time of several runs counts, because other load of the machine affects it less. A first run below LONG_RUN_S [s]
+ * is repeated, because PoCL may build kernels in it (about 1 s with an empty cache). While the least is below SHORT_RUN_S
+ * [s], there are up to RUNS runs. */
 enum { FRAMES = 5, RUNS = 3 };
 #define SHORT_RUN_S 0.2
 #define LONG_RUN_S 5

@@ -10,7 +10,10 @@
 #include <string.h>
 
 enum { LEFT = 100, TOP = 84, RIGHT = 24, BOTTOM = 70, SCALE_ROOM = 118, LEAST_WIDTH = 760, HEADING = 20 };
-enum { COMFORTABLE = 640, LARGEST = 64 }; /* px of an image, px per pixel */
+enum {
+    COMFORTABLE = 640, /* longer side that enlargement reaches [canvas px] */
+    LARGEST = 64       /* largest enlargement [canvas px per sensor pixel] */
+};
 
 static int32_t enlargement(const view *v, const cli_window *shown) {
     if (v->plain && !v->scale) return 1;
@@ -58,7 +61,7 @@ int32_t view_frame(const view *v, const cli_window *recording, const cli_window 
 /* ---- surfaces ---- */
 
 int64_t view_surface_memory(const view *v) {
-    enum { DECAYS_SEEN = 10 }; /* exp(-10) is white in 8 bits */
+    enum { DECAYS_SEEN = 10 }; /* exp(-10) rounds to the colour of no event in 8 bits */
     return (int64_t)ceil(1e9 * DECAYS_SEEN * v->decay_s);
 }
 
@@ -75,7 +78,8 @@ static int32_t signed_surface(const view *v, const cli_window *recording, const 
     return made;
 }
 
-/* Colours of signed recency. On light paper the library's; on dark paper 0 is dark. */
+/* Colours of signed recency. On light paper they are those of tides_picture_signed (0 is white); on dark paper 0 is the
+ * paper's colour. */
 static void colour_surface(const canvas_style *style, const double *value, int32_t width, int32_t height, uint8_t *rgb) {
     const canvas_theme *theme = canvas_theme_of(style);
     if (!style->dark) {

@@ -1,5 +1,5 @@
-/* Draws events in space and time, in perspective: time runs to the right, and the image stands across it, seen from its
- * start. */
+/* Draws events in space and time, in perspective. By default time runs to the right, the image stands across it, and the eye is
+ * on the side of the earliest events. */
 #include "view.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 128, MARGIN_Y = 60 /* for ticks and labels */, POINTS_MAX = 400000 };
 enum { SHAPES_MAX = 8000 /* for .svg: about 150 kB */ };
 
-/* The box: half of its lengths along time, y and x. */
+/* The box's axes. Lengths are in units of the image's longer side. */
 enum { TIME, Y, X, AXES };
 #define TIME_EXTENT 1.5  /* over the longer side of the image */
 #define EYE_DISTANCE 4.0 /* from the box's centre, over the longer side of the image */
@@ -36,8 +36,8 @@ static void corner(const scene *s, int number, double point[AXES]) {
     for (int axis = 0; axis < AXES; axis++) point[axis] = number >> axis & 1 ? s->half[axis] : -s->half[axis];
 }
 
-/* Sets the eye's axes. With x to the right, y down and time away from a viewer, the eye is `azimuth` beside the axis of time
- * and `elevation` above it. */
+/* Sets the eye's axes. With x to the right, y down and time away from a viewer, the eye is `azimuth` to the right of the
+ * axis of time and `elevation` above it. */
 static void set_eye(scene *s, double azimuth_deg, double elevation_deg) {
     const double degree = 3.14159265358979323846 / 180, a = azimuth_deg * degree, e = elevation_deg * degree;
     const double right[AXES] = {sin(a), 0, cos(a)}, flat[AXES] = {cos(a), 0, -sin(a)};
@@ -82,7 +82,7 @@ static scene make_scene(const view *v, const cli_window *shown, const view_part 
 
 /* ---- axes ---- */
 
-/* 1 where the face of the box at the positive (1) or negative (0) end of an axis is visible from outside. */
+/* 1 if the eye sees the outside of the box's face at the positive (`end` 1) or negative (`end` 0) end of an axis. */
 static int32_t faces_eye(const scene *s, int axis, int end) {
     const double eye = -EYE_DISTANCE * s->forward[axis];
     return end ? eye > s->half[axis] : eye < -s->half[axis];
@@ -106,7 +106,7 @@ static void segment(cli_canvas *canvas, const scene *s, const double a[AXES], co
 }
 
 static int32_t ticks_of(const scene *s, int axis, const range *r, double ticks[PLOT_TICKS_MAX], int32_t *decimals) {
-    enum { ROOM = 90 /* px between labels, where nothing is foreshortened */ };
+    enum { ROOM = 90 /* px between labels, on an axis at right angles to the view, at the box's centre */ };
     return plot_linear_ticks(r->low, r->high, (int32_t)(2 * s->half[axis] * s->scale / EYE_DISTANCE), ROOM, ticks, decimals);
 }
 
@@ -228,8 +228,8 @@ static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range 
 enum { PER_DEPTH = 16, LAYERS_MAX = 8 * PER_DEPTH /* the box is closer to the eye than 2 EYE_DISTANCE */ };
 
 typedef struct layers {
-    double *xy;                       /* places of all events, layer by layer, OFF before ON */
-    size_t first[2 * LAYERS_MAX + 1]; /* first place of each */
+    double *xy;                       /* places of the drawn events on the screen [px], layer by layer, OFF before ON */
+    size_t first[2 * LAYERS_MAX + 1]; /* index of the first place of each layer and polarity */
 } layers;
 
 /* Draws every n-th event, so that a picture takes at most a second. Returns n. */
@@ -238,7 +238,7 @@ static size_t stride_of(const view *v, const cli_window *shown) {
     return (shown->count + most - 1) / most + !shown->count;
 }
 
-/* The event's place on the screen; returns its layer. */
+/* The event's place on the screen; returns 2 * layer + (1 for ON), an index of layers.first. */
 static size_t project_event(const scene *s, const tides_event *e, const range ranges[AXES], const view_axis *time,
                             double xy[2]) {
     const double values[AXES] = {view_on_axis(time, (double)e->t), e->y + 0.5, e->x + 0.5};
@@ -269,7 +269,7 @@ static int32_t sort_events(const scene *s, const cli_window *shown, size_t strid
     return 1;
 }
 
-/* Draws the layers; dots are larger where events are few. */
+/* Draws the layers; the fewer events, the larger the dots. */
 static void draw_layers(cli_canvas *canvas, const layers *l) {
     const size_t count = l->first[2 * LAYERS_MAX];
     const double radius = fmin(4.0, (canvas->style.shapes ? 9.0 : 6.0) * pow((double)count + 1, -0.16));

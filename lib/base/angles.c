@@ -43,19 +43,19 @@ static void multiply(uint64_t m, const uint32_t *words, uint32_t product[LIMBS])
     }
 }
 
-/* 32 bits of the product, from bit `at` on; bits below 0 are 0. */
+/* 32 bits of the product, from bit `at` >= 0 on; bits above the highest limb are 0. */
 static uint32_t bits_from(const uint32_t product[LIMBS], int at) {
     const uint64_t low = product[at / 32], high = at / 32 + 1 < LIMBS ? product[at / 32 + 1] : 0;
     return (uint32_t)((high << 32 | low) >> (at % 32));
 }
 
-/* Reduces a large x = m 2^e. Words of 2/pi before `first` make whole turns and are left out; 119 bits behind the point are
- * right. */
+/* Reduces a large x = m 2^e. Words of 2/pi before `first` make whole turns and are left out. The product is right to 138
+ * bits behind the point; DIGITS words (128 bits) of them are used. */
 static folded fold_large(double x) {
     enum { DIGITS = 4 }; /* of 32 bits each */
     int e;
     const uint64_t m = (uint64_t)(frexp(x, &e) * 0x1p53);
-    const int first = (e - 53 - 2) / 32;
+    const int first = e < 55 ? 0 : (e - 55) / 32;
     uint32_t product[LIMBS];
     multiply(m, two_per_pi + first, product);
     const int point = 32 * (first + WORDS) - (e - 53);
@@ -84,7 +84,7 @@ static folded fold(double x) {
     return (folded){(unsigned)k & 3, td_two_sum(rest.high, rest.low - k * 0x1.3198a2e037073p-69)};
 }
 
-/* Sine of |r| < 0.79 by Taylor's series. The first terms left out, of sine and cosine, are below 1e-19 and 2e-18. */
+/* Sine of |r| < 0.79 by Taylor's series. The first terms left out, of sine and cosine, are below 1e-19 and 3e-18. */
 static double sine_of(td_two r) {
     const double z = r.high * r.high;
     double sum = 1 / 355687428096000.0; /* 1 / 17! */

@@ -49,7 +49,7 @@ double td_log1p(double x) {
     return isinf(sum) || !(sum > 0) ? td_ln(sum) : td_ln(sum) + (x - (sum - 1)) / sum;
 }
 
-/* log x of a positive number as two doubles, to 2^-63 of itself or better. The method is log m = 2 atanh((m - 1) / (m +
+/* log x, x > 0, as two doubles, with a relative error below 2^-63. The method is log m = 2 atanh((m - 1) / (m +
  * 1)), with every large term as two doubles. */
 static td_two logarithm_of(double x) {
     static const td_two third = {0x1.5555555555555p-2, 0x1.5555555555555p-56};
@@ -75,7 +75,7 @@ double td_pow(double x, double y) {
     if (x == 1 || y == 0) return 1;
     if (!(x >= 0) || isnan(y)) return NAN;
     const int grows = (x > 1) == (y > 0);
-    /* since |log x| > 1e-16, the exponent is out of range */
+    /* if |y| > 1e20, e^(y log x) overflows or underflows, since |log x| > 1e-16 for every x but 1 */
     if (x == 0 || isinf(x) || fabs(y) > 1e20) return grows ? INFINITY : 0;
     const td_two log_x = logarithm_of(x), exponent = td_two_product(y, log_x.high);
     if (fabs(exponent.high) < 1e-280) return 1; /* below this the products would lose their low parts */

@@ -4,8 +4,8 @@
  *
  *   events/{left,right}/events.h5, rectify_map.h5 (rectified coordinates of each raw pixel)
  *   images/timestamps.txt, images/{left,right}/exposure_timestamps.txt, images/{left,right}/rectified/%06d.png
- *   flow/{forward,backward}/%06d.png, 16 bits: (I - 32768) / 128 in R and G [px], B = 1: known; numbered as the picture at its
- *     first time; flow/{forward,backward}_timestamps.txt
+ *   flow/{forward,backward}/%06d.png, 16 bits: (I - 32768) / 128 in R and G [px], B = 1: known; numbered as the picture at
+ *     from_timestamp; flow/{forward,backward}_timestamps.txt
  *   disparity/event/%06d.png, 16 bits: I / 256 [px], 0: unknown; disparity/timestamps.txt
  *   calibration/cam_to_cam.yaml: cam0 and cam3 make events, cam1 and cam2 pictures, left and right
  *   poses.txt: `t px py pz qx qy qz qw` of the left event camera [s, m]; DSEC itself has no such file */
@@ -114,7 +114,7 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
 
 /* -- ground truth ---------------------------------------------------------------------------------------------------------- */
 
-/* A component of flow in 16 bits, 32768 + 128 px; -1 if it doesn't fit. */
+/* A component of flow [px] as DSEC's 16 bits: 32768 + 128 times its value; -1 if it doesn't fit. */
 static int32_t flow_16(double px) {
     const double value = rint(128 * px) + 32768;
     return value >= 0 && value <= 65535 ? (int32_t)value : -1;
@@ -136,7 +136,7 @@ static tides_status write_flow(td_writer *w, const char *format, unsigned number
 static tides_status write_disparity(td_writer *w, const td_truth *t, unsigned number, tides_error *error) {
     dsec *d = w->state;
     const double fx = w->camera->rectified[TD_TRUTH].intrinsics.fx;
-    /* at a depth of one metre */
+    /* disparity at a depth of 1 m [px / 256] */
     const double pixels = 256 * fx * td_baseline(w->set, w->camera, td_find_camera(w->set, TD_TRUTH, 1));
     for (size_t i = 0; i < td_pixels(w->camera); i++) {
         const double value = t->depth[i] > 0 ? rint(pixels / (t->depth[i] * w->set->metres)) : 0;

@@ -2,7 +2,7 @@
  * columns. A .npz has one such array, or one array per column:
  *   keys t, x, y, p                t in nanoseconds (rpg_vid2e, TIDES), unless a pixel then had hundreds of events a second:
  *                                  microseconds
- *   also, coordinates above 8191   HS-ERGB: coordinates are 1/32 px, t in microseconds
+ *   with coordinates above 8191    HS-ERGB: coordinates are 1/32 px, t in microseconds
  *   x, y, timestamp, polarity,     BS-ERGB: likewise; coordinates left of or above the image wrap around 65536
  *   coordinates above 8191
  * HS-ERGB files with all events below 8192 / 32 px look like the first kind: the format name "ergb" settles it. */
@@ -17,16 +17,16 @@
 #include <string.h>
 
 enum {
-    FINE = 32,         /* steps per pixel of HS-ERGB and BS-ERGB */
+    FINE = 32,         /* units of a coordinate per pixel, in HS-ERGB and BS-ERGB */
     FINE_WRAP = 65536, /* BS-ERGB's unsigned coordinates wrap around here */
-    BUSY = 300,        /* events per pixel and second that no recording has over the whole image */
+    BUSY = 300,        /* mean events per pixel and second; no recording has so many */
     JUDGED = 1000      /* events needed to judge a rate */
 };
 
 static const int fields[TD_NPY_COLUMNS] =
     {[TD_NPY_T] = TD_ROW_T, [TD_NPY_X] = TD_ROW_X, [TD_NPY_Y] = TD_ROW_Y, [TD_NPY_P] = TD_ROW_P};
 
-/* Value number i is element number stride i + offset of the array. */
+/* Value number i is element number stride * i + offset of the array. */
 typedef struct npy_column {
     const td_npy_array *array;
     const td_npy_field *field;

@@ -1,10 +1,10 @@
-/* Bias settings from files. A DAVIS' bias is a current, coarse and fine:
+/* Bias settings from files. A DAVIS' bias is a current, from a coarse value c (0 is the smallest) and a fine value:
  *
  *   jAER       389 nA 8^(c - 5) fine / 256, and its files hold 7 - c
- *   libcaer    {11 pA .. 24.8 uA}[c] fine / 255, which rpg_dvs_ros' files go to
+ *   libcaer    libcaer_a[c] fine / 255 (11 pA .. 24.8 uA); rpg_dvs_ros' files hold this c and fine
  *
- * with c = 0 the smallest; a DVS128's is 75 uA code / 2^24 (jAER's Masterbias with its usual resistor). Fine 0 means off: it
- * is read as fine 1, the least current, and reported. */
+ * A DVS128's bias is 75 uA code / 2^24 (jAER's Masterbias with its usual resistor). Fine or code 0 means off: it is read as 1,
+ * the least current. Only the OFF bias gets a note about it. */
 #include "td_biases.h"
 
 #include "td_math.h"

@@ -1,6 +1,7 @@
 /* Reads gsplat's checkpoint, {"step", "splats": {means [N, 3], scales [N, 3] (log), quats [N, 4] (wxyz, raw), opacities [N]
  * (logit), sh0 [N, 1, 3], shN [N, K - 1, 3]}}: raw parameters (gsplat, examples/simple_trainer.py). The training mode is in
- * the trainer's cfg.yml, with a setting per line, in the folder above the checkpoints. */
+ * the trainer's cfg.yml, one setting per line. It is looked for in the folder of the model or of the named file, then in the
+ * folder above. */
 #include "archive/td_pickle.h"
 #include "scene/td_model_dir.h"
 #include "td_base.h"
@@ -10,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The degree that belongs to shN's extent; -1 if none does. */
+/* The SH degree, by shN's second extent K - 1; 0 without shN, -1 if no degree has K coefficients. */
 static int32_t degree_of(const td_value *splats) {
     const td_value *rest = td_value_get(splats, "shN");
     if (!rest) return 0;

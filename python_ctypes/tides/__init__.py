@@ -178,6 +178,6 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Imports modules that have dependencies of their own, when they are asked for."""
-    if name in ("distributed", "mujoco", "play", "ros2", "rosbag", "usd"):
+    if name in ("bag", "distributed", "mujoco", "play", "ros2", "rosbag", "usd"):
         return importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}{nearest(name, __all__)}")

@@ -60,8 +60,9 @@ def read_exr(file: str | os.PathLike[str]) -> dict[str, np.ndarray]:
 
 def read_truth(file: str | os.PathLike[str]) -> dict[str, np.ndarray]:
     """Ground truth of a file as float32 planes (height x width), NaN where unknown: the channels of an .exr; "displacement_u"
-    and "displacement_v" of DSEC's .png and BlinkFlow's .npy; "disparity" or "depth" of 16-bit grey .png; "instance" of
-    8-bit grey ones. Arrays (height, width) are "instance" or "depth"."""
+    and "displacement_v" of DSEC's .png and BlinkFlow's .npy; of a 16-bit grey .png "disparity" [px]
+    in a folder disparity/, else "depth" [m]; "instance" of an 8-bit grey one. A .npy (height, width) is "depth" if float, else
+    "instance"."""
     return _planes("tides_truth_read", file)
 
 
@@ -108,7 +109,7 @@ def picture_rgb(r: Any, g: Any, b: Any) -> np.ndarray:
 
 
 def picture_signed(values: Any, limit: float = 0.0) -> np.ndarray:
-    """Values in [-limit, limit] as blue, white, red; limit 0: the 99.5th percentile."""
+    """Values in [-limit, limit] as blue, white, red; limit 0: the 99.5th percentile of the magnitudes."""
     return _picture("tides_picture_signed", [values], limit)
 
 
@@ -119,14 +120,15 @@ def _with_key(name: str, rgb: np.ndarray) -> np.ndarray:
 
 def picture_flow(u: Any, v: Any, limit: float = 0.0, key: bool = False) -> np.ndarray:
     """Flow as a colour wheel, uint8 (height x width x 3): right red, down yellow-green, left cyan, up violet, white at rest;
-    limit 0: the fastest. `key`: with the wheel in a corner, from 64 px on."""
+    full colour at `limit` (0: the fastest). `key`: draws the wheel into the lower right corner, if both sides have at least
+    64 px."""
     made = _picture("tides_picture_flow", [u, v], limit)
     return _with_key("tides_picture_flow_key", made) if key else made
 
 
 def picture_depth(depth: Any, near: float = 0.0, far: float = 0.0, key: bool = False) -> np.ndarray:
     """Depths from `near`, light, to `far`, dark (0, 0: the nearest and farthest of all); 0 is black. uint8 (height x width x
-    3). `key`: with the ramp in a corner, from 64 px on."""
+    3). `key`: draws the ramp into the lower right corner, if both sides have at least 64 px."""
     made = _picture("tides_picture_depth", [depth], near, far)
     return _with_key("tides_picture_depth_key", made) if key else made
 
@@ -162,7 +164,7 @@ class Animation(Handle):
     _destroy = "tides_animation_abandon"
 
     def __init__(self, file: str | os.PathLike[str] | int, width: int, height: int, pictures_per_second: float = 25.0):
-        """`file`: a path, or an open file descriptor (a pipe), to which the video is written at once."""
+        """`file`: a path, or an open file descriptor (a pipe), to which the video is written while pictures are appended."""
         made = POINTER(_api.tides_animation)()
         if isinstance(file, int):
             call("tides_animation_stream", file, width, height, pictures_per_second, byref(made))

@@ -55,7 +55,7 @@ static tides_status add_object(const tides_scene *scene, int index, int first, i
     object->base = dynamic->gaussians;
     while (object->count < end - first &&
            (object->count == 0 || store->number[first + object->count] > store->number[first + object->count - 1]))
-        object->count++; /* padding repeats the last number */
+        object->count++; /* the store's padding repeats the last Gaussian's number */
     object->moves_sh = store->movers.row[store->mover[index]].whole[TD_MOVER_INTS + 3];
     object->hosted = object->of.motion->type->evaluate != NULL;
     object->expensive = object->of.motion->type->expensive;

@@ -1,9 +1,10 @@
-/* Internal: a first-order filter whose rate goes with the light, over one substep, in a time in which the rate is constant. It
- * is straight-line code: substeps.c uses it for one pixel, and light_many.c in loops that vectorise. Both get the same bits.
+/* Internal: one substep of a first-order filter whose rate goes with the light: S' = r (L - S). It is straight-line code:
+ * substeps.c uses it for one pixel, and light_many.c in loops that vectorise. Both get the same bits.
  *
- * S' = r (L - S) with r = light (e^L - log_eps) + dark, which isn't cut off at 0 within the substep. In x = 2 u - 1 the rate is
- * the Taylor series of e^L about the substep's middle: E' = L' E. The integral of the rate is the time v, in which S' = rate
- * (L - S) with a constant rate. */
+ * r is light (e^L - log_eps) + dark, times the filter's own rate. The filter cuts e^L - log_eps off at 0; callers use the
+ * result only where L >= log(log_eps), so that nothing is cut off here. With x = 2 u - 1, where u in [0, 1] is the substep's
+ * time, E = light e^L is a Taylor series about the middle, from E' = L' E. v is the integral of r up to u, over that of the
+ * whole substep. In v the rate is constant: dS/dv = rate (L - S), where `rate` is r's integral over the substep. */
 #ifndef TD_LIGHT_STEP_H
 #define TD_LIGHT_STEP_H
 
@@ -19,13 +20,13 @@ enum { TD_LIGHT_TAIL = 13 }; /* terms of the tail: exact to 1e-13 for rates up t
 
 #define TD_LIGHT_MOST 60.0 /* greatest log-luminance: an HDR image is far below e^60 */
 
-/* The numbers of a rate that goes with the light. */
+/* The law of the rate: light (e^L - log_eps) + dark, as a multiple of the filter's own rate. */
 typedef struct td_light_law {
-    double log_eps, light, dark; /* [1/s] per unit of the filter's rate */
+    double log_eps, light, dark;
 } td_light_law;
 
-/* The series of v, from 0 to 1 over the substep. Returns the rate's mean; `*missing` is the error of the rate's series, over
- * its least value. */
+/* The series of v, from 0 to 1 over the substep; b: control values of L. Returns the law's mean; `*missing` is the error of
+ * the law's series, over the law's least value. */
 TD_WITHIN double td_light_series(const double b[4], td_light_law law, double term[TD_TIME_MAP_TERMS], double *missing) {
     const double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
     const double slope = 0.375 * (d0 + 2 * d1 + d2), twice = 2 * (0.375 * (d2 - d0)), thrice = 3 * (0.125 * (d2 - 2 * d1 + d0));
@@ -74,7 +75,7 @@ TD_WITHIN void td_light_mapped(const double b[4], const double term[TD_TIME_MAP_
     mapped[3] = b[3];
 }
 
-/* S at the substep's end: the value of td_pole_respond's response at 1, to 1e-13. */
+/* S at the substep's end: S' = rate (L - S) at v = 1, to 1e-13; b: control values of L. */
 TD_WITHIN double td_light_end(double rate, double S, const double b[4]) {
     const double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2], offset = S - b[0];
     const double l1 = 3 * d0, l2 = 3 * (d1 - d0), l3 = d2 - 2 * d1 + d0;
@@ -90,10 +91,10 @@ typedef struct td_light_answer {
     double rate;      /* of the filter in v */
     double end;       /* S at the end */
     double mapped[4]; /* control values of L in v */
-    double error;     /* bound on the error of S, seen at the quarters; NaN: not solved */
+    double error;     /* error of S, estimated at u = 1/4, 1/2 and 3/4; NaN: not solved */
 } td_light_answer;
 
-/* `seconds`: the substep's length, times the filter's rate where the law's is one. */
+/* `seconds`: the substep's length [s] times the filter's own rate [1/s], at which the law is 1. */
 TD_WITHIN td_light_answer td_light_step(const double b[4], double S, double seconds, td_light_law law,
                                         double term[TD_TIME_MAP_TERMS]) {
     td_light_answer answer;
