@@ -120,9 +120,10 @@ tides_status td_json_rotation(td_path_reader *reader, const char *where, const c
     td_cross3(column[0], column[1], normal);
     if (!(worst <= TD_ROTATION_TOLERANCE))
         return td_fail(reader->error, TIDES_BAD_FILE,
-                       "%s: %s.%s: isn't a rotation: its columns are off unit length or right angles by %.3g; remove scale and "
+                       "%s: %s%s%s: isn't a rotation: its columns are off unit length or right angles by %.3g; remove scale "
+                       "and "
                        "shear",
-                       reader->file, where, key, worst);
+                       reader->file, where, *where ? "." : "", key, worst);
     if (!(td_dot3(normal, column[2]) > 0.0))
         return td_json_fail(reader, where, key, "isn't a rotation but a mirror image (its determinant is -1); flip one axis");
     td_quaternion_from_rotation(rotation, q);

@@ -37,15 +37,20 @@ static int is_wanted(const td_point_nodes *nodes, int i, int level, int node) {
     return nodes->group.open_at[i] < 0 || (node % 2 && nodes->group.open[nodes->group.open_at[i] + node / 4]);
 }
 
-/* Adds jobs for node `node`, in slot `slot`, of the Gaussians in [from, end) that need it at this level. `row` (may be NULL)
- * has their moved rows, if some move by themselves. */
-static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nodes, int level, int node, int slot, int from,
-                             int end, const int *row, tides_error *error) {
+/* A node of a level, for the Gaussians [from, end) of the group. */
+typedef struct node_of {
+    int level, node, from, end;
+} node_of;
+
+/* Adds jobs for a node, in slot `slot`, of those of its Gaussians that need it. `row` (may be NULL) has their moved rows, if
+ * some move by themselves. */
+static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nodes, node_of at, int slot, const int *row,
+                             tides_error *error) {
     int open = 0, object = -1, taken = 0;
     tides_status status = reserve_entries(nodes, 0, error);
-    for (int i = from; i < end && status == TIDES_OK; i++) {
+    for (int i = at.from; i < at.end && status == TIDES_OK; i++) {
         const int gaussian = nodes->group.gaussians[i];
-        if (!is_wanted(nodes, i, level, node)) continue;
+        if (!is_wanted(nodes, i, at.level, at.node)) continue;
         status = reserve_entries(nodes, 2 * TD_PAD, error);
         if (status != TIDES_OK) return status;
         if (open &&
@@ -59,7 +64,7 @@ static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nod
         open = 1;
         object = renderer->store.object[gaussian];
         nodes->jobs.entry[nodes->jobs.entries] = row ? row[taken++] : gaussian;
-        nodes->jobs.at[nodes->jobs.entries++] = nodes->group.first[i] + node;
+        nodes->jobs.at[nodes->jobs.entries++] = nodes->group.first[i] + at.node;
         nodes->jobs.list[nodes->jobs.count - 1].count++;
     }
     if (open && status == TIDES_OK) end_job(nodes);
@@ -91,7 +96,7 @@ static tides_status add_nodes(const tides_renderer *renderer, td_point_nodes *no
     for (int from = 0, end = 0; from < nodes->group.count && status == TIDES_OK; from = end) {
         int job = nodes->jobs.count, entry = nodes->jobs.entries;
         for (int taken = 0; end < nodes->group.count && taken < JOB_GAUSSIANS; end++) taken += nodes->group.level[end] == level;
-        status = add_node(renderer, nodes, level, 0, 0, from, end, NULL, error);
+        status = add_node(renderer, nodes, (node_of){level, 0, from, end}, 0, NULL, error);
         for (int k = 1; k < slots && status == TIDES_OK; k++) {
             const int next_job = nodes->jobs.count, next_entry = nodes->jobs.entries;
             status = repeat_node(nodes, job, entry, error);
@@ -150,21 +155,21 @@ static tides_status end_batch(tides_renderer *renderer, const tides_trajectory *
 }
 
 /* Adds one node of the Gaussians in [from, end), some of which move by themselves, as a slot of the batch. */
-static tides_status add_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
-                              int node, int from, int end, moved_batch *batch, tides_error *error) {
-    const int is_last = node == nodes->pieces << level, padding = TD_PAD * renderer->store.objects;
+static tides_status add_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, node_of at,
+                              moved_batch *batch, tides_error *error) {
+    const int is_last = at.node == nodes->pieces << at.level, padding = TD_PAD * renderer->store.objects;
     tides_status status = TIDES_OK;
     int count = 0;
-    for (int i = from; i < end; i++)
-        if (is_wanted(nodes, i, level, node)) batch->wanted[count++] = nodes->group.gaussians[i];
+    for (int i = at.from; i < at.end; i++)
+        if (is_wanted(nodes, i, at.level, at.node)) batch->wanted[count++] = nodes->group.gaussians[i];
     if (count == 0) return status;
     if (renderer->dynamic.rows.count + count + padding > batch->limit || batch->slots == BATCH_SLOTS)
         status = end_batch(renderer, camera, nodes, batch, error);
     if (status == TIDES_OK)
-        status = td_dynamic_rows_ask(&renderer->dynamic, batch->wanted, count, nodes->jobs.time[node],
+        status = td_dynamic_rows_ask(&renderer->dynamic, batch->wanted, count, nodes->jobs.time[at.node],
                                      is_last ? TD_SIDE_ENDS : TD_SIDE_BEGINS, batch->row, error);
-    if (status == TIDES_OK) status = add_node(renderer, nodes, level, node, batch->slots, from, end, batch->row, error);
-    batch->time[batch->slots++] = nodes->jobs.time[node];
+    if (status == TIDES_OK) status = add_node(renderer, nodes, at, batch->slots, batch->row, error);
+    batch->time[batch->slots++] = nodes->jobs.time[at.node];
     return status;
 }
 
@@ -177,10 +182,10 @@ static tides_status project_all_moved(tides_renderer *renderer, const tides_traj
     batch.limit = renderer->row_limit / 2 < BATCH_ROWS ? renderer->row_limit / 2 : BATCH_ROWS;
     begin_batch(renderer, nodes, &batch);
     for (int node = 0; node < slots; node++)
-        for (int from = 0; from < nodes->group.count && status == TIDES_OK; from += batch.limit)
-            status =
-                add_moved(renderer, camera, nodes, level, node, from,
-                          nodes->group.count - from > batch.limit ? from + batch.limit : nodes->group.count, &batch, error);
+        for (int from = 0; from < nodes->group.count && status == TIDES_OK; from += batch.limit) {
+            const int end = nodes->group.count - from > batch.limit ? from + batch.limit : nodes->group.count;
+            status = add_moved(renderer, camera, nodes, (node_of){level, node, from, end}, &batch, error);
+        }
     if (status == TIDES_OK) status = end_batch(renderer, camera, nodes, &batch, error);
     free(wanted);
     return status;
@@ -194,7 +199,7 @@ static tides_status add_slot(tides_renderer *renderer, td_point_nodes *nodes, do
     if (moves)
         status = td_dynamic_rows_ask(&renderer->dynamic, nodes->group.gaussians + from, end - from, time, TD_SIDE_BEGINS, row,
                                      error);
-    return status == TIDES_OK ? add_node(renderer, nodes, 0, 0, slot, from, end, moves ? row : NULL, error) : status;
+    return status == TIDES_OK ? add_node(renderer, nodes, (node_of){0, 0, from, end}, slot, moves ? row : NULL, error) : status;
 }
 
 tides_status td_point_rows_direct(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,

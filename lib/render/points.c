@@ -15,13 +15,14 @@
 
 enum { POINTS_AT_ONCE = 1 << 16 }; /* per launch: 5 MB with all their data */
 
-/* A launch that may be under way: points numbered order[0 .. count), the caller's. */
-typedef struct points_away {
+/* The points of a part of the interval that are asked for. */
+typedef struct points_asked {
     const td_point *points;
     td_point_value *values;
-    const int *order;
-    int count; /* 0: no launch is running */
-} points_away;
+    int *which; /* (count) their numbers */
+    int count;
+    int *order; /* (count) scratch */
+} points_asked;
 
 struct td_points {
     td_points_engine *engine;
@@ -38,7 +39,7 @@ struct td_points {
     size_t place_capacity;
     int *which; /* (2 x points requested) used by exact_points */
     size_t which_capacity;
-    points_away away;
+    td_points_some away; /* the running launch; count 0: there is none */
     td_points_direct direct;
     double *column[TD_POINT_COLUMNS]; /* (points of a launch + TD_PAD) */
     int *piece;
@@ -271,19 +272,19 @@ static int lay_launch(const tides_renderer *renderer, td_points *p, const td_poi
 
 /* Waits for the launch that is under way, if there is one. */
 static tides_status finish_launch(td_points *p, tides_error *error) {
-    const points_away away = p->away;
+    const td_points_some away = p->away;
     if (away.count == 0) return TIDES_OK;
     p->away.count = 0;
     tides_status status = p->engine->type->finish(p->engine, error);
     for (int i = 0; i < away.count && status == TIDES_OK; i++)
-        status = td_point_take(&away.points[away.order[i]], p->values + 2 * i, &away.values[away.order[i]], error);
+        status = td_point_take(&away.points[away.which[i]], p->values + 2 * i, &away.values[away.which[i]], error);
     return status;
 }
 
 /* Queues the next launch behind the running one. */
-static tides_status begin_launch(const tides_renderer *renderer, td_points *p, const points_away *next, tides_error *error) {
+static tides_status begin_launch(const tides_renderer *renderer, td_points *p, const td_points_some *next, tides_error *error) {
     int wanted;
-    const int chunks = lay_launch(renderer, p, next->points, next->order, next->count, &wanted);
+    const int chunks = lay_launch(renderer, p, next->points, next->which, next->count, &wanted);
     const td_points_batch batch = {{p->column[0], p->column[1], p->column[2], p->column[3]},
                                    p->piece,
                                    next->count,
@@ -298,45 +299,47 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
     return status;
 }
 
-/* Computes the points among which[0 .. count) that see a splat without a curve. `which` and `count` then hold the others. */
-static tides_status take_direct(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
-                                int *which, int *count, int *order, td_point_value *values, tides_error *error) {
+/* Computes the points that see a splat without a curve; `asked` then has the others. */
+static tides_status take_direct(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, points_asked *asked,
+                                tides_error *error) {
     int left = 0, direct = 0;
-    for (int i = 0; i < *count; i++)
-        if (td_points_direct_sees(&p->direct, &points[which[i]], renderer->image.width))
-            order[direct++] = which[i];
+    for (int i = 0; i < asked->count; i++)
+        if (td_points_direct_sees(&p->direct, &asked->points[asked->which[i]], renderer->image.width))
+            asked->order[direct++] = asked->which[i];
         else
-            which[left++] = which[i];
-    *count = left;
-    return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, points, order, direct, values, error);
+            asked->which[left++] = asked->which[i];
+    asked->count = left;
+    const td_points_some some = {asked->points, asked->values, asked->order, direct};
+    return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, &some, error);
 }
 
-/* Computes the points which[0 .. count) of the part whose rows are ready; order (count) is scratch. */
-static tides_status points_of_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p,
-                                   const td_point *points, int *which, int count, int *order, td_point_value *values,
+/* Computes the points of the part whose rows are ready. */
+static tides_status points_of_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, points_asked *asked,
                                    tides_error *error) {
-    tides_status status = add_wanted(renderer, camera, p, points, which, count, error);
-    if (status == TIDES_OK) status = take_direct(renderer, camera, p, points, which, &count, order, values, error);
-    if (status == TIDES_OK) status = order_points(renderer, p, points, which, count, order, error);
+    tides_status status = add_wanted(renderer, camera, p, asked->points, asked->which, asked->count, error);
+    if (status == TIDES_OK) status = take_direct(renderer, camera, p, asked, error);
+    const int count = asked->count;
+    if (status == TIDES_OK) status = order_points(renderer, p, asked->points, asked->which, count, asked->order, error);
     for (int from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
-        const points_away next = {points, values, order + from, count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE};
+        const int some = count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE;
+        const td_points_some next = {asked->points, asked->values, asked->order + from, some};
         status = td_renderer_check_stop(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = begin_launch(renderer, p, &next, error);
     }
     return status;
 }
 
-/* Chooses the points in part k: which (count). The part may be halved for them, and is the first half then. */
-static tides_status choose_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
-                                const td_point *points, int count, int *which, int *some, tides_error *error) {
+/* Chooses those of `count` points that are in part k. The part may be halved for them, and is the first half then. */
+static tides_status choose_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k, int count,
+                                points_asked *asked, tides_error *error) {
     tides_status status = TIDES_OK;
     int parts;
     do {
         parts = p->parts.count;
-        *some = 0;
+        asked->count = 0;
         for (int i = 0; i < count; i++)
-            if (td_point_parts_of(&p->parts, points[i].time) == k) which[(*some)++] = i;
-        if (*some > 0) status = begin_part(renderer, camera, p, k, error);
+            if (td_point_parts_of(&p->parts, asked->points[i].time) == k) asked->which[asked->count++] = i;
+        if (asked->count > 0) status = begin_part(renderer, camera, p, k, error);
     } while (status == TIDES_OK && p->parts.count != parts);
     return status;
 }
@@ -351,11 +354,10 @@ static tides_status begin_points(tides_renderer *renderer, const tides_trajector
         status = td_point_parts_begin(&p->parts, &p->at, error);
     }
     for (int k = 0; k < p->parts.count && status == TIDES_OK; k++) {
-        int some = 0;
+        points_asked asked = {points, values, p->which, 0, p->which + count};
         status = finish_launch(p, error); /* the next part overwrites the running launch's list of points */
-        if (status == TIDES_OK) status = choose_part(renderer, camera, p, k, points, (int)count, p->which, &some, error);
-        if (status == TIDES_OK && some > 0)
-            status = points_of_part(renderer, camera, p, points, p->which, some, p->which + count, values, error);
+        if (status == TIDES_OK) status = choose_part(renderer, camera, p, k, (int)count, &asked, error);
+        if (status == TIDES_OK && asked.count > 0) status = points_of_part(renderer, camera, p, &asked, error);
     }
     if (status != TIDES_OK) drop_launch(p);
     return status;
@@ -464,8 +466,8 @@ static tides_status direct_points(tides_renderer *renderer, const tides_trajecto
     for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &p->at, &points[i], error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) p->which[i] = (int)i;
     if (status != TIDES_OK) return status;
-    return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, points, p->which, (int)count, values,
-                                   error);
+    const td_points_some all = {points, values, p->which, (int)count};
+    return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, &all, error);
 }
 
 tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,

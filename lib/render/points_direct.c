@@ -198,8 +198,9 @@ static tides_status work_out(tides_renderer *renderer, const tides_trajectory *c
 }
 
 tides_status td_points_direct_values(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,
-                                     td_exact *exact, const td_point_span *span, const td_point *points, const int *which,
-                                     int count, td_point_value *values, tides_error *error) {
+                                     td_exact *exact, const td_point_span *span, const td_points_some *some,
+                                     tides_error *error) {
+    const int count = some->count, *which = some->which;
     tides_status status = count > 0 ? create(renderer, direct, error) : TIDES_OK;
     direct->nodes.exact = exact;
     for (int from = 0, taken; from < count && status == TIDES_OK; from += taken) {
@@ -207,11 +208,12 @@ tides_status td_points_direct_values(tides_renderer *renderer, const tides_traje
         direct->nodes.group.count = 0;
         for (taken = 0; taken < LOT && from + taken < count && direct->nodes.group.count < LOT_SPLATS && status == TIDES_OK;
              taken++)
-            status = add_point(renderer, direct, span, &points[which[from + taken]], taken, &listed, error);
+            status = add_point(renderer, direct, span, &some->points[which[from + taken]], taken, &listed, error);
         if (status == TIDES_OK) status = td_renderer_check_stop(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = work_out(renderer, camera, direct, taken, listed, error);
         for (int k = 0; k < taken && status == TIDES_OK; k++)
-            status = td_point_take(&points[which[from + k]], direct->values + 2 * k, &values[which[from + k]], error);
+            status =
+                td_point_take(&some->points[which[from + k]], direct->values + 2 * k, &some->values[which[from + k]], error);
     }
     return status;
 }

@@ -35,9 +35,17 @@ static inline int td_points_direct_sees(const td_points_direct *direct, const td
     return direct->any && direct->bent[(size_t)point->y * (size_t)width + (size_t)point->x];
 }
 
-/* Computes the points which[0 .. count). `exact`: the scene in double; the rows that it held before are lost. */
+/* Some of the points that are asked for: those numbered which[0 .. count). Their values go to the same numbers. */
+typedef struct td_points_some {
+    const td_point *points;
+    td_point_value *values;
+    const int *which;
+    int count;
+} td_points_some;
+
+/* Computes some points. `exact`: the scene in double; the rows that it held before are lost. */
 tides_status td_points_direct_values(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,
-                                     td_exact *exact, const td_point_span *span, const td_point *points, const int *which,
-                                     int count, td_point_value *values, tides_error *error);
+                                     td_exact *exact, const td_point_span *span, const td_points_some *some,
+                                     tides_error *error);
 
 #endif
