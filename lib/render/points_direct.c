@@ -122,7 +122,7 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
                             sizeof *direct->lists, error);
     for (int i = first; i < end && status == TIDES_OK; i++) {
         const int gaussian = span->list[i], own = nodes->count;
-        if (gaussian < 0 || !touches(renderer->sweep.boxes + 4 * (size_t)gaussian, point)) continue;
+        if (gaussian < 0 || !touches(span->boxes + 4 * (size_t)gaussian, point)) continue;
         nodes->gaussians[own] = gaussian;
         nodes->first[own] = nodes->row[2 * own] = nodes->row[2 * own + 1] = direct->numbers[own] = own;
         nodes->level[own] = 0;

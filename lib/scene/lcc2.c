@@ -32,9 +32,9 @@ typedef struct lcc2 {
     const char *path;
     cJSON *meta;
     const cJSON *root, *names;
-    const char *ending;                 /* of all files: ".sog" */
+    const char *ending;                        /* of all files: ".sog" */
     int64_t levels, level, files, environment; /* files: how many names; environment: its file; -1: none */
-    run *runs;                          /* of the level that is read, by file and start */
+    run *runs;                                 /* of the level that is read, by file and start */
     size_t count, capacity;
     tides_error *error;
 } lcc2;

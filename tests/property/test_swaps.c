@@ -7,7 +7,7 @@
 
 #include "tests/property/renderer_of.h"
 
-/* How many swaps are found of two splats that a motion model takes past each other, before a third one that rests or without. */
+/* How many swaps are found of two splats that a motion model takes past each other, before a third one that rests or alone. */
 static int swaps_of_moved(tides_device *device, int rests) {
     static const float mean[6] = {0, 0, 3.9f, 0, 0, 4.1f}, quaternion[8] = {1, 0, 0, 0, 1, 0, 0, 0}, logit[2] = {1, 1};
     static const float log_scale[6] = {-1, -1, -1, -1, -1, -1}, sh[6] = {-1, -1, -1, 1, 1, 1}, zero[8] = {0};
