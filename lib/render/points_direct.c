@@ -33,8 +33,7 @@ void td_points_direct_release(td_points_direct *direct) {
     free(direct->sights);
 }
 
-/* -- pixels that see a splat without a curve
- * ------------------------------------------------------------------------------------------------- */
+/* -- pixels that see a splat without a curve --------------------------------------------------------------------------- */
 
 /* The pixels that may see it. */
 static void mark(const tides_renderer *renderer, const float *box, uint8_t *bent) {

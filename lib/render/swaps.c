@@ -38,8 +38,7 @@ static const double by_view = 0.1;
  * swap is short; MAY_ALONE: also of its own body. */
 enum { MAY_NOT, MAY_SWAP, MAY_SHORTLY, MAY_ALONE };
 
-/* -- making and freeing
- * ------------------------------------------------------------------------------------------------------------- */
+/* -- making and freeing ------------------------------------------------------------------------------------------------ */
 
 /* An upper bound of the largest standard deviation: Frobenius' norm of the factor. */
 static float extent_of(const double *geometry) {
