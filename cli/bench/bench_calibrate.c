@@ -323,7 +323,7 @@ static tides_status one(bench *b, const calibrate_scene *scene, const char *even
 
 static tides_status measure_scene(bench *b, const char *name, calibrate_rows *all, tides_error *error) {
     const int32_t sensors = b->quick ? SENSORS_QUICK : SENSORS;
-    char events[4300];
+    char events[4300] = "";
     calibrate_scene *scene = malloc(sizeof *scene);
     calibrate_row *grown = realloc(all->rows, (all->count + (size_t)sensors * LIGHTS) * sizeof *grown);
     if (grown) all->rows = grown;

@@ -183,7 +183,8 @@ static tides_status measure_feed(bench *b, live_rows *all, tides_error *error) {
     tides_status status = bench_feed(b, b->quick ? STEPS_QUICK : STEPS, &rows, error);
     const cJSON *of, *ms;
     cJSON_ArrayForEach(of, rows) {
-        live_row *row = status == TIDES_OK ? add_row(all, error) : NULL;
+        live_row *row = add_row(all, error);
+        if (!row) status = TIDES_NO_MEMORY;
         if (!row) break;
         cJSON_ArrayForEach(ms, cJSON_GetObjectItemCaseSensitive(of, "ms")) {
             if (row->steps < STEPS) row->ms[row->steps++] = ms->valuedouble;

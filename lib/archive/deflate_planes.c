@@ -267,8 +267,7 @@ static size_t put_rest(const plane *p, unsigned char *to, size_t room) {
     return put;
 }
 
-/* -- all planes
- * ------------------------------------------------------------------------------------------------------------- */
+/* -- all planes -------------------------------------------------------------------------------------------------------- */
 
 /* Writes planes from p[0] on, as many as are of one kind. A TWO plane goes alone, as it has its own codes. libdeflate
  * always ends the stream, so from the first OTHER plane on it takes all. */

@@ -211,8 +211,7 @@ int td_columns_parse(const char *line, td_columns *columns) {
     return named > 0 && numbers == 0;
 }
 
-/* -- look-up by name
- * -------------------------------------------------------------------------------------------------------------- */
+/* -- look-up by name --------------------------------------------------------------------------------------------------- */
 
 /* 1 if the name matches `wanted` (`length` letters). One '*' in `wanted` stands for any letters or none. */
 static int has_name(const char *name, const char *wanted, size_t length) {
@@ -280,8 +279,7 @@ int td_columns_time(const td_columns *columns, const char *names, int *digits) {
     return *digits < 0 ? TD_COLUMN_NONE : found;
 }
 
-/* -- units that no name gives
- * ------------------------------------------------------------------------------------------------------ */
+/* -- units that no name gives ------------------------------------------------------------------------------------------ */
 
 int td_counts_from_1970(double seconds) { return seconds >= 1e8 && seconds < 5e9; }
 

@@ -103,8 +103,7 @@ static int is_wanted(int family, int wanted) {
     }
 }
 
-/* -- the kinds: the first row that fits is taken
- * ---------------------------------------------------------------------------------- */
+/* -- the kinds: the first row that fits is taken ----------------------------------------------------------------------- */
 
 typedef struct kind {
     const char *magic; /* NULL: only the ending is compared */

@@ -174,8 +174,7 @@ static tides_status run_renders(frame_run *r, tides_error *error) {
     return status;
 }
 
-/* -- the run
- * ------------------------------------------------------------------------------------------------------------------ */
+/* -- the run ----------------------------------------------------------------------------------------------------------- */
 
 static tides_status check_supply(const frame_run *r, tides_error *error) {
     const tides_frame_supply *supply = r->supply;

@@ -46,8 +46,7 @@ static int step(void *user, double fraction, const char *stage) {
     return j->progress ? j->progress(j->user, j->from + j->width * fraction, stage) : 0;
 }
 
-/* -- cameras and times
- * --------------------------------------------------------------------------------------------------------- */
+/* -- cameras and times ------------------------------------------------------------------------------------------------- */
 
 static tides_status add_camera(td_dataset *set, tides_session *session, const tides_rig_camera *rig, tides_error *error) {
     td_member *camera = &set->cameras[set->count];

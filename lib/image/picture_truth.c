@@ -68,8 +68,7 @@ void tides_picture_labels(const double *labels, int32_t width, int32_t height, u
     }
 }
 
-/* -- legends
- * ------------------------------------------------------------------------------------------------------------------ */
+/* -- legends ----------------------------------------------------------------------------------------------------------- */
 
 /* Size of a legend: least shorter side of a picture that gets one [px], share of that side, and distance from the borders
  * [px]. */

@@ -195,8 +195,7 @@ tides_status tides_exact_stream(tides_device *device, const tides_scene *scene, 
     return status;
 }
 
-/* -- a session's exact events
- * ---------------------------------------------------------------------------------------------------------- */
+/* -- a session's exact events ------------------------------------------------------------------------------------------ */
 
 /* The exact events of a run on frames: with straight lines between frames, as the method `tides` has them. */
 static tides_status of_frames(tides_session *ideal, tides_progress progress, void *user, tides_exact *exact,

@@ -41,8 +41,7 @@ static void set(settings *s, const char *key, double value) {
     put(s, key, text);
 }
 
-/* -- thresholds and values that depend on the run
- * -------------------------------------------------------------------------------- */
+/* -- thresholds and values that depend on the run ---------------------------------------------------------------------- */
 
 static void threshold_tides(settings *s, const pixel *p) {
     set(s, "sensor.threshold_on", p->on);

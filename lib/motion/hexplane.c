@@ -12,8 +12,7 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
     return td_hexplane_measure(motion, &hexplane, error);
 }
 
-/* -- the time axis: t is at row (t + 1) / 2 (rows - 1)
- * ---------------------------------------------------------------------- */
+/* -- the time axis: t is at row (t + 1) / 2 (rows - 1) ----------------------------------------------------------------- */
 
 static int time_rows(const tides_motion *motion) { return (int)td_hexplane_plane(motion, 0, 2)->shape[2]; }
 

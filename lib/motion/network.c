@@ -13,8 +13,7 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
     return td_network_measure(motion, &network, error);
 }
 
-/* -- inputs from the time
- * ------------------------------------------------------------------------------------------------------- */
+/* -- inputs from the time ---------------------------------------------------------------------------------------------- */
 
 /* Adds the (value, rate) of row `row` of a layer. */
 static void apply_row(const td_field *weight, const td_field *bias, int row, const double *value, const double *rate,

@@ -83,8 +83,7 @@ static tides_status fail_many(tides_error *error) {
                    INT_MAX / TD_RECORD_STRIDE);
 }
 
-/* -- Gaussians that touch a tile
- * -------------------------------------------------------------------------------------------------- */
+/* -- Gaussians that touch a tile --------------------------------------------------------------------------------------- */
 
 enum { LOOK = 16 * TD_PAD }; /* Gaussians that are tested together */
 
@@ -220,8 +219,7 @@ static tides_status lay_lists(td_candidates *candidates, tides_error *error) {
     return td_reserve((void **)&candidates->list, &candidates->capacity, (size_t)total + 1, sizeof *candidates->list, error);
 }
 
-/* -- filling the lists
- * -------------------------------------------------------------------------------------------------------- */
+/* -- filling the lists ------------------------------------------------------------------------------------------------- */
 
 /* Appends a Gaussian to a tile's list. far: distance that it travels, in its own diameters. */
 static inline void place(td_candidates *candidates, int tile, int there, int gaussian, int moves, float far) {

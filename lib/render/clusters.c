@@ -22,8 +22,7 @@ static const double size_most = 1e12;
 /* Safety margin for reaches, and for coordinates: rounding to single precision adds far less. */
 static const double more = 1.01, rounding = 1e-5;
 
-/* -- clusters of a store
- * ---------------------------------------------------------------------------------------------------------------- */
+/* -- clusters of a store ----------------------------------------------------------------------------------------------- */
 
 static const double *row_of(const td_store *store, int g) { return store->geometry + (size_t)g * TD_GEOMETRY_STRIDE; }
 
@@ -86,8 +85,7 @@ void td_clusters_release(td_clusters *clusters) {
     memset(clusters, 0, sizeof *clusters);
 }
 
-/* -- clusters in view
- * ---------------------------------------------------------------------------------------------------------------- */
+/* -- clusters in view -------------------------------------------------------------------------------------------------- */
 
 /* A plane of the view. A splat with its mean at p is out of view if n . p > spread sigmas sigma + behind. */
 typedef struct plane {

@@ -33,8 +33,7 @@ void td_points_direct_release(td_points_direct *direct) {
     free(direct->sights);
 }
 
-/* -- pixels that see a splat without a curve
- * ------------------------------------------------------------------------------------------------- */
+/* -- pixels that see a splat without a curve --------------------------------------------------------------------------- */
 
 /* The pixels that may see it. */
 static void mark(const tides_renderer *renderer, const float *box, uint8_t *bent) {
@@ -129,7 +128,7 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
                             sizeof *direct->lists, error);
     for (int i = first; i < end && status == TIDES_OK; i++) {
         const int gaussian = span->list[i], own = nodes->group.count;
-        if (gaussian < 0 || !touches(renderer->sweep.boxes + 4 * (size_t)gaussian, point)) continue;
+        if (gaussian < 0 || !touches(span->boxes + 4 * (size_t)gaussian, point)) continue;
         nodes->group.gaussians[own] = gaussian;
         nodes->group.first[own] = nodes->group.row[2 * own] = nodes->group.row[2 * own + 1] = direct->numbers[own] = own;
         nodes->group.level[own] = 0;

@@ -38,8 +38,7 @@ static const double by_view = 0.1;
  * swap is short; MAY_ALONE: also of its own body. */
 enum { MAY_NOT, MAY_SWAP, MAY_SHORTLY, MAY_ALONE };
 
-/* -- making and freeing
- * ------------------------------------------------------------------------------------------------------------- */
+/* -- making and freeing ------------------------------------------------------------------------------------------------ */
 
 /* An upper bound of the largest standard deviation: Frobenius' norm of the factor. */
 static float extent_of(const double *geometry) {
@@ -183,7 +182,7 @@ static double reach_of(const tides_renderer *renderer, const struct td_swaps *sw
 static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at) {
     const td_store *store = &renderer->store;
     const double share = 0.5 * TD_SWAP_REACH * renderer->image.soft_depth; /* of two splats alike */
-    int moving = 2 * (swaps->moves > 0), rests = 0, any = 0;
+    int moving = 2 * (swaps->moves > 0), rests = 0, any = swaps->moves > 1;
     for (int i = 0; i < store->objects; i++) {
         swaps->turning[i] = swaps->group[i] >= 0 ? turning_of(at, i) : 0;
         swaps->turned[i] = swaps->group[i] >= 0 ? turned_by(at, i) : 0;

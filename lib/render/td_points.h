@@ -11,7 +11,7 @@
 #include "td_exact.h"
 #include "tides/device.h"
 
-enum { TD_POINT_TILE_INTS = 4, TD_POINT_CHUNK_INTS = 3, TD_POINT_COLUMNS = 4 };
+enum { TD_POINT_COLUMNS = 4 };
 
 /* A tile's candidates, or the splats of its list; layout of td_point_tile in the kernels. */
 typedef struct td_points_tile {

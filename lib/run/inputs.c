@@ -150,8 +150,7 @@ static tides_status add_scene(list *l, const char *key, const char *path, const 
     return status;
 }
 
-/* -- files named by keys
- * ----------------------------------------------------------------------------------------------------- */
+/* -- files named by keys ----------------------------------------------------------------------------------------------- */
 
 static tides_status add_objects(list *l, const tides_run *run, const char *key) {
     const cJSON *object;

@@ -170,8 +170,7 @@ void tides_live_close(tides_live *live) {
     free(live);
 }
 
-/* -- appending poses
- * -------------------------------------------------------------------------------------------------------- */
+/* -- appending poses --------------------------------------------------------------------------------------------------- */
 
 static tides_trajectory *path_of(const tides_live *live, int32_t object) {
     return object == TIDES_LIVE_CAMERA ? live->camera : td_scene_told(live->scene, object);

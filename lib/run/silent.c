@@ -79,8 +79,7 @@ static tides_status look(tides_session *session, shown *seen, tides_error *error
     return status;
 }
 
-/* -- the text
- * ----------------------------------------------------------------------------------------------------------------- */
+/* -- the text ---------------------------------------------------------------------------------------------------------- */
 
 /* The reason why no pixel can fire, for the method tides. */
 static int say_pixels(const tides_run_values *v, const shown *seen, char text[TIDES_SILENCE]) {

@@ -54,8 +54,7 @@ static tides_status choose_grid(tides_renderer *renderer, const tides_session_fa
     return status;
 }
 
-/* -- equally many per object
- * ------------------------------------------------------------------------------------------------ */
+/* -- equally many per object ------------------------------------------------------------------------------------------- */
 
 /* Pixels sorted by the object that they show: those of object k are order[first[k] .. first[k + 1]). */
 typedef struct pixels_of {

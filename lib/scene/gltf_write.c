@@ -23,8 +23,7 @@ static int attributes_of(const td_gaussians *g) { return HARMONICS + (int)td_sh_
 /* The degree of coefficient k of SH. */
 static int degree_of(int k) { return (int)sqrt((double)k); }
 
-/* -- attributes, one array after the other: each function returns where the next begins
- * --------------------------------------- */
+/* -- attributes, one array after the other: each function returns where the next begins -------------------------------- */
 
 /* Writes positions: x and y change signs. `box`: least and greatest position, as written. */
 static unsigned char *put_positions(unsigned char *to, const td_gaussians *g, double scale, double box[2][3]) {

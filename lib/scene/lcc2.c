@@ -32,9 +32,9 @@ typedef struct lcc2 {
     const char *path;
     cJSON *meta;
     const cJSON *root, *names;
-    const char *ending;                 /* of all files: ".sog" */
-    int64_t levels, level, environment; /* environment: its file; -1: none */
-    run *runs;                          /* of the level that is read, by file and start */
+    const char *ending;                        /* of all files: ".sog" */
+    int64_t levels, level, files, environment; /* files: how many names; environment: its file; -1: none */
+    run *runs;                                 /* of the level that is read, by file and start */
     size_t count, capacity;
     tides_error *error;
 } lcc2;
@@ -68,7 +68,7 @@ static char *name_of(const lcc2 *l, int64_t i) {
     return td_format(l->error, "%s%s", name, td_ends_in(name, l->ending) ? "" : l->ending);
 }
 
-static tides_status check_names(const lcc2 *l) {
+static tides_status check_names(lcc2 *l) {
     const cJSON *name;
     if (!cJSON_IsArray(l->names))
         return td_fail(l->error, TIDES_BAD_FILE, "%s: is no LCC2 scene: its root has no splatFiles", l->path);
@@ -76,6 +76,7 @@ static tides_status check_names(const lcc2 *l) {
         const char *text = cJSON_GetStringValue(name);
         if (!text || !*text || !td_json_is_below(*text == '/' ? text + 1 : text))
             return td_fail(l->error, TIDES_BAD_FILE, "%s: splatFiles must name files beside it or in folders there", l->path);
+        l->files++;
     }
     return TIDES_OK;
 }
@@ -126,10 +127,10 @@ static int has_finer(const cJSON *node) {
 
 static tides_status add_run(lcc2 *l, const cJSON *of) {
     const int64_t most = INT64_C(1) << 40; /* sums stay far below 2^63 */
-    run made = {td_json_whole(of, "name", 0, cJSON_GetArraySize(l->names) - 1), 0, WHOLE};
+    run made = {td_json_whole(of, "name", 0, l->files - 1), 0, WHOLE};
     const int counted = cJSON_GetObjectItemCaseSensitive(of, "count") != NULL;
     if (counted) made.count = td_json_whole(of, "count", 0, most);
-    if (cJSON_GetObjectItemCaseSensitive(of, "start")) made.start = td_json_whole(of, "start", 0, most);
+    if (cJSON_GetObjectItemCaseSensitive(of, "start")) made.start = td_json_whole(of, "start", 0, counted ? most : 0);
     if (made.file < 0 || made.start < 0 || (counted && made.count < 0))
         return td_fail(l->error, TIDES_BAD_FILE, "%s: a node's 3dgs must have a name, a number in splatFiles, start and count",
                        l->path);
@@ -168,7 +169,7 @@ static tides_status lcc2_open(lcc2 *l, const char *path, const char *part, tides
     if (!status) status = choose_level(l, part);
     if (status) return status;
     const cJSON *environment = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(l->root, "data"), "env");
-    if (cJSON_IsObject(environment)) l->environment = td_json_whole(environment, "name", 0, cJSON_GetArraySize(l->names) - 1);
+    if (cJSON_IsObject(environment)) l->environment = td_json_whole(environment, "name", 0, l->files - 1);
     if (cJSON_IsObject(environment) && l->environment < 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: env must have a name, a number in splatFiles", path);
     status = list_runs(l, l->root, 0);

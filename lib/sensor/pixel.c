@@ -268,8 +268,7 @@ static void lose_noise(walk *w, double until, uint64_t *lost) {
     while ((s = next_noise(w, &source)) < fmin(until, never)) *lost += (uint64_t)take_noise(w, source, s);
 }
 
-/* -- held and masked parts of the step
- * --------------------------------------------------------------------------------------------- */
+/* -- held and masked parts of the step --------------------------------------------------------------------------------- */
 
 /* Crossings before `until` move the reference without an event. */
 static void consume(walk *w, double until) {

@@ -19,7 +19,7 @@ import os
 import shutil
 import struct
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -90,11 +90,24 @@ def _open(files: Sequence[str | os.PathLike[str]]) -> AnyReader:
     return AnyReader([Path(one) for one in files], default_typestore=store)
 
 
+def _read(bag: AnyReader, topic: str, decode: Callable[[Any, bytes], Any]) -> Iterator[Any]:
+    """What `decode` makes of each message of a topic. In a damaged bag rosbags' decoders raise errors of many types."""
+    try:
+        for connection, _, data in bag.messages([one for one in bag.connections if one.topic == topic]):
+            yield decode(connection, data)
+    except Exception as why:
+        raise ValueError(f"{topic}: a message can't be read: {type(why).__name__}: {why}") from why
+
+
+def _messages(bag: AnyReader, topic: str) -> Iterator[Any]:
+    return _read(bag, topic, lambda connection, data: bag.deserialize(data, connection.msgtype))
+
+
 def _first(bag: AnyReader, topic: str) -> Any:
     """The first message of a topic that has some."""
-    chosen = [one for one in bag.connections if one.topic == topic]
-    connection, _, data = next(bag.messages(chosen))
-    return bag.deserialize(data, connection.msgtype)
+    for message in _messages(bag, topic):
+        return message
+    raise ValueError(f"{topic}: its messages aren't in the bag, which says that it has some")
 
 
 def _candidates(bag: AnyReader, kind: str) -> list[str]:
@@ -119,11 +132,6 @@ def _choose(bag: AnyReader, kind: str, asked: str | None, events: str | None) ->
     return found[0] if found else None
 
 
-def _messages(bag: AnyReader, topic: str) -> Iterator[Any]:
-    for connection, _, data in bag.messages([one for one in bag.connections if one.topic == topic]):
-        yield bag.deserialize(data, connection.msgtype)
-
-
 def _stamp(message: Any) -> int:
     return _SECOND * message.header.stamp.sec + message.header.stamp.nanosec
 
@@ -140,9 +148,11 @@ def _of_array(data: bytes) -> tuple[int, int, np.ndarray]:
 
 def _arrays(bag: AnyReader, topic: str) -> Iterator[tuple[int, int, np.ndarray]]:
     """Height, width, and events in ROS time [ns]."""
-    for connection, _, data in bag.messages([one for one in bag.connections if one.topic == topic]):
-        plain = bag.typestore.cdr_to_ros1(data, connection.msgtype) if bag.is2 else data
-        height, width, rows = _of_array(bytes(plain))
+
+    def decode(connection: Any, data: bytes) -> tuple[int, int, np.ndarray]:
+        return _of_array(bytes(bag.typestore.cdr_to_ros1(data, connection.msgtype) if bag.is2 else data))
+
+    for height, width, rows in _read(bag, topic, decode):
         yield height, width, make_events(rows["s"].astype(np.int64) * _SECOND + rows["ns"], rows["x"], rows["y"], rows["p"])
 
 
@@ -309,11 +319,12 @@ def convert(
     frames: str | None = None,
     poses: str | None = None,
     lens: str | None = None,
+    exposure: str | None = None,
 ) -> Converted:
     """Makes `folder` of a bag, or of several that are one recording. Topics are found by their type; where there are several
     the one beside the events is taken, or you name it."""
     files = [bag] if isinstance(bag, (str, os.PathLike)) else list(bag)
-    asked = {"frames": frames, "poses": poses, "lens": lens, "exposure": None}
+    asked = {"frames": frames, "poses": poses, "lens": lens, "exposure": exposure}
     target, part = os.fspath(folder).rstrip("/"), os.fspath(folder).rstrip("/") + ".part"
     check_apart([os.fspath(one) for one in files], [target])
     if os.path.exists(target):
@@ -345,12 +356,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser("python -m tides.bag", description=main.__doc__)
     parser.add_argument("bag", nargs="+", metavar="BAG", help=".bag, .db3, .mcap or a folder of ROS 2; several are one recording")
     parser.add_argument("folder", metavar="FOLDER", help="the folder to make")
-    for kind in ("events", "frames", "poses", "lens"):
+    for kind in _KINDS:
         parser.add_argument(f"--{kind}", metavar="TOPIC", help=f"the topic of {kind}, where the bag has several")
     parser.add_argument("-q", "--quiet", action="store_true")
     given = parser.parse_args(arguments)
     try:
-        done = convert(given.bag, given.folder, given.events, given.frames, given.poses, given.lens)
+        done = convert(given.bag, given.folder, given.events, given.frames, given.poses, given.lens, given.exposure)
     except AnyReaderError as why:
         print(f"tides.bag: {', '.join(given.bag)}: {str(why).strip().splitlines()[0]}", file=sys.stderr)
         return 1

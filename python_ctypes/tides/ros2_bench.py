@@ -21,7 +21,7 @@ from .ros2 import Bus
 DOMAIN, PACKET_S, PACKETS = 78, 1e-3, 1000
 RATES = (1e5, 1e6, 5e6)  # [events/s]
 TOPIC = "bench/events"
-LONGEST_S = 60.0  # how long a listener is waited for
+LONGEST_S = 60.0  # how long a listener is waited for, and waits for a packet
 
 
 def listen() -> None:
@@ -36,6 +36,7 @@ def listen() -> None:
                 continue
             if one.height == 0:
                 return print(json.dumps([latencies, size]))
+            until = time.monotonic() + LONGEST_S
             latencies.append(1e-9 * (now - one.time_base))  # EVT 3 doesn't use this field, which has the time of sending [ns]
             size += len(one.events)
         time.sleep(1e-4)
@@ -68,7 +69,10 @@ def measure(rate: float, packets: int = PACKETS) -> dict[str, Any]:
             time.sleep(0.01)
         seconds = _send(writer, rate, packets)
         writer.write(messages.EventPacket(messages.header(0, ""), 0, 0, 0, 0, "", False, b""))
-        latencies, size = json.loads(listener.communicate(timeout=LONGEST_S)[0])
+        heard = listener.communicate(timeout=LONGEST_S)[0]
+        if not heard:
+            raise RuntimeError("the listener ended before the packets did")
+        latencies, size = json.loads(heard)
     finally:
         listener.kill()
         listener.wait()

@@ -195,11 +195,19 @@ def test_wrong_input(tmp_path, capsys):
     refuses(capsys, "no topic of it has events", tmp_path / "none.bag", tmp_path / "out")
     refuses(capsys, "no such bag", tmp_path / "absent.bag", tmp_path / "out")
     refuses(capsys, "is no such topic", tmp_path / "two.bag", tmp_path / "out", "--events", "/c/events")
+    times = [(f"/{name}/exposure", ZERO, store.make("std_msgs/msg/Int32", 4000)) for name in "ab"]
+    write(tmp_path / "times.bag", "bag", store, [("/c/events", ZERO, store.array(events)), frame, *times])
+    refuses(capsys, "name one of them (--exposure)", tmp_path / "times.bag", tmp_path / "out")
     (tmp_path / "cut.bag").write_bytes((tmp_path / "two.bag").read_bytes()[:3000])
     refuses(capsys, "cut.bag", tmp_path / "cut.bag", tmp_path / "out")
+    write(tmp_path / "short", "mcap", Store(2), [("/a/events", ZERO, Store(2).array(events))])
+    (chunk,) = (tmp_path / "short").glob("*.mcap")
+    chunk.write_bytes(chunk.read_bytes().replace((50).to_bytes(4, "little"), (51).to_bytes(4, "little")))
+    refuses(capsys, "/a/events: a message can't be read", tmp_path / "short", tmp_path / "out")
     packet = store.make("event_camera_msgs/msg/EventPacket", store.header(ZERO), HEIGHT, WIDTH, 0, 0, "mono", False, np.zeros(8, np.uint8))
     write(tmp_path / "mono.bag", "bag", store, [("/cam/events", ZERO, packet)])
     refuses(capsys, "encoding 'mono': evt3 is read", tmp_path / "mono.bag", tmp_path / "out")
+    assert bags.convert(tmp_path / "times.bag", tmp_path / "times", exposure="/b/exposure").topics["exposure"] == "/b/exposure"
     assert not (tmp_path / "out").exists() and not (tmp_path / "out.part").exists()
     assert bags.main([str(tmp_path / "two.bag"), str(tmp_path / "out"), "--events", "/b/events", "-q"]) == 0
     refuses(capsys, "is there already", tmp_path / "two.bag", tmp_path / "out", "--events", "/b/events")

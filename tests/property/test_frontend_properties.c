@@ -164,8 +164,7 @@ static void cutting_a_step_changes_nothing(void **state) {
     }
 }
 
-/* -- responses
- * ----------------------------------------------------------------------------------------------------------------- */
+/* -- responses --------------------------------------------------------------------------------------------------------- */
 
 /* A response as filters leave them, or modes of any size. */
 static td_response random_path(int trial, td_frontend *frontend, tides_sensor *sensor) {
