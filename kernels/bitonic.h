@@ -39,8 +39,8 @@ static long8 td_clean_8(long8 x) {
     return (long8)(low.s0, high.s1, low.s2, high.s3, low.s4, high.s5, low.s6, high.s7);
 }
 
-/* TD_ORDER puts two vectors in order, lane by lane. TD_MIRROR mirrors the lanes of the second vector first, which begins a
- * merge of two ascending runs. */
+/* TD_ORDER puts two vectors in order, lane by lane. TD_MIRROR does so with lane i of the first and lane 7 - i of the second,
+ * which begins a merge of two ascending runs. */
 #define TD_ORDER(a, b)         \
     do {                       \
         long8 low = min(a, b); \
@@ -126,7 +126,7 @@ static void td_sort_short(__global long *keys, int n) {
     }
 }
 
-/* Sorts n keys. n is td_capacity of their number, and unused places hold TD_LAST_KEY. */
+/* Sorts a list. n is td_capacity(its length), and unused places hold TD_LAST_KEY. */
 static void td_bitonic_sort(__global long *keys, int n) {
     if (n < 64) {
         td_sort_short(keys, n);
@@ -162,8 +162,8 @@ static void td_bitonic_level(__global long *keys, int n, int stride, int flip) {
     barrier(CLK_GLOBAL_MEM_FENCE);
 }
 
-/* Sorts n keys by the whole work-group, whose writes of the keys are done. n is td_capacity of their number, and unused places
- * hold TD_LAST_KEY. */
+/* Sorts a list by the whole work-group, behind a barrier after its writes of the keys. n is td_capacity(its length), and
+ * unused places hold TD_LAST_KEY. */
 static void td_bitonic_sort(__global long *keys, int n) {
     for (int k = 2; k <= n; k *= 2) {
         td_bitonic_level(keys, n, k / 2, 1);

@@ -1,7 +1,8 @@
-/* tides bench live: the time that a live run takes for each pose, from getting the pose to having its events, at 346x260 and a
- * pose every millisecond. The first step also makes the first image, and is listed separately. Poses are those of the scene's
- * own camera, without rates, to and fro where its path is shorter than the run. Rows of way "ros2" are
- * latencies over ROS 2: from a packet of 1 ms of events until another process has read them, at a few rates of events. */
+/* tides bench live: the time that a live run takes for each pose, from getting the pose to having its events, at 346x260 and
+ * a pose every millisecond. The first step also makes the first image, and is listed separately. Poses are those of the
+ * scene's own camera, without rates, to and fro where its path is shorter than the run. Rows of way "ros2" are latencies
+ * over ROS 2: from just before a packet of 1 ms of events is encoded and sent until another process has received it, at a
+ * few rates of events. */
 #include "bench.h"
 #include "bench_worlds.h"
 #include "plot.h"
@@ -16,7 +17,7 @@ enum { WIDTH = 346, HEIGHT = 260, STEPS = 1000, STEPS_QUICK = 10 };
 /* How steps are taken. */
 typedef struct live_way {
     const char *name;
-    int32_t parts; /* BENCH_* */
+    int32_t parts; /* BENCH_* flags: look-ups, steps per block; 0: neither, steps per tile */
     double tolerance;
 } live_way;
 static const live_way ways[] = {{"tiles", 0, 0.01}, {"blocks", BENCH_BLOCKS, 0.01}, {"default", BENCH_TOGETHER, 0.1}};
@@ -28,7 +29,7 @@ typedef struct live_row {
     int32_t steps;
     double ms[STEPS];               /* sorted */
     double first_ms, seconds, lost; /* lost: packets that didn't arrive */
-    int32_t taken;                  /* steps in which the events of `stats` fired; the first one, too */
+    int32_t taken;                  /* number of steps (ros2: packets) that `stats` covers, including the first */
     tides_stats stats;
 } live_row;
 
@@ -59,7 +60,8 @@ static tides_status pose_at(const bench_scene *scene, double time, tides_pose_sa
     memset(sample, 0, sizeof *sample);
     sample->time = time;
     memcpy(sample->position, pose.position, sizeof sample->position);
-    /* Shepperd's formulas: the largest component first, the others as differences over it. */
+    /* Shepperd's formulas: the largest component first, the others are differences or sums of entries, divided by 4 times
+     * it. */
     int32_t large = r[0] > r[4] ? (r[0] > r[8] ? 0 : 2) : (r[4] > r[8] ? 1 : 2);
     if (trace > r[4 * large]) {
         q[0] = 0.5 * sqrt(1 + trace);

@@ -18,7 +18,7 @@ enum { TIME, Y, X, AXES };
 typedef struct scene {
     double half[AXES];
     double right[AXES], down[AXES], forward[AXES]; /* the eye's axes in those of the box */
-    double scale, x, y;                            /* to px */
+    double scale, x, y;                            /* to px: the scale, and where the view's axis meets the screen */
 } scene;
 
 static double dot(const double a[AXES], const double b[AXES]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -225,14 +225,14 @@ static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range 
 /* ---- events ---- */
 
 /* Layers of depth. Events are drawn farthest first, each polarity of a layer at once, smaller and paler with distance. */
-enum { PER_DEPTH = 16, LAYERS_MAX = 8 * PER_DEPTH /* the box is closer to the eye than 2 EYE_DISTANCE */ };
+enum { PER_DEPTH = 16, LAYERS_MAX = 8 * PER_DEPTH /* depths from 0 to 2 EYE_DISTANCE hold the box */ };
 
 typedef struct layers {
     double *xy;                       /* places of the drawn events on the screen [px], layer by layer, OFF before ON */
     size_t first[2 * LAYERS_MAX + 1]; /* index of the first place of each layer and polarity */
 } layers;
 
-/* Draws every n-th event, so that a picture takes at most a second. Returns n. */
+/* Every n-th event is drawn, so that a picture takes at most a second. Returns n. */
 static size_t stride_of(const view *v, const cli_window *shown) {
     const size_t most = v->points ? v->points : v->style.shapes ? SHAPES_MAX : POINTS_MAX;
     return (shown->count + most - 1) / most + !shown->count;

@@ -1,5 +1,5 @@
-/* Reads numpy's files. A .npy has one structured array (tonic's dtype, Metavision's, any names of fields) or a table of four
- * columns. A .npz has one such array, or one array per column:
+/* Reads numpy's files. A .npy has one structured array (tonic's dtype, Metavision's, or fields of other usual names) or a table
+ * of four columns. A .npz has one such array, or one array per column:
  *   keys t, x, y, p                t in nanoseconds (rpg_vid2e, TIDES), unless a pixel then had hundreds of events a second:
  *                                  microseconds
  *   with coordinates above 8191    HS-ERGB: coordinates are 1/32 px, t in microseconds

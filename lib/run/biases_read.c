@@ -30,7 +30,7 @@ const td_bias *td_biases_find(const td_biases *biases, const char *name) {
     return NULL;
 }
 
-/* Finds or makes the entry of this name; NULL if there are too many, or if the name is empty. */
+/* Finds or makes the entry of this name; NULL if there are too many, or if the name is empty or too long. */
 static td_bias *entry(td_biases *biases, const char *name, size_t length) {
     char own[TD_BIAS_NAME];
     if (length == 0 || length >= sizeof own) return NULL;
@@ -54,8 +54,8 @@ static int32_t number_in(const char *text) {
     return end != text && *end == '"' && number >= 0 && number < 1 << 25 ? (int32_t)number : -1;
 }
 
-/* Takes an entry: "DAVIS240C.AddressedIPotCF.DiffBn.BitValueCoarse" is the coarse value of DiffBn; "IPot.diff" is a
- * DVS128's. */
+/* Takes an entry: "DAVIS240C.AddressedIPotCF.DiffBn.BitValueCoarse" is the coarse value of DiffBn; "IPot.diff" is the code
+ * of a DVS128's diff, "PropheseeConfig.bias.NAME" the value of NAME. */
 static void take_entry(td_biases *biases, const char *key, size_t length, int32_t number) {
     char text[160];
     if (length >= sizeof text) return;

@@ -1,5 +1,5 @@
-/* The dynamic objects of a scene: objects of the store with a motion, the times at which the motion's rates may jump (knots),
- * and the scales of time that its model declares. They are found once per renderer. The run's grid of steps includes the
+/* The dynamic objects of a scene: those whose Gaussians a motion moves. Each has knots, at which the motion's rates may jump,
+ * and time scales that its model declares. Objects and knots are found once per renderer. The run's grid of steps includes the
  * knots. */
 #include "render/dynamic/td_dynamic.h"
 
