@@ -24,6 +24,7 @@ def main():
         if heading and not fenced:
             line += f" {{#{path.stem}-{slug(heading[1])}}}"
         line = re.sub(r"\]\((?:[^()#]*/)?(\w+)\.md#([\w-]+)\)", r"](@ref \1-\2)", line)
+        line = re.sub(r"\]\(#([\w-]+)\)", rf"](@ref {path.stem}-\1)", line)
         print(re.sub(r"\]\((?:[^()]*/)?(\w+\.(?:png|svg))\)", r"](\1)", line))
 
 
