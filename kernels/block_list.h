@@ -111,8 +111,8 @@ TD_INLINE void td_find_more(const td_list *list, const td_image *image, int bloc
                              finder->place + end);
     for (int k = left; k < end; k++) {
         finder->row[k] = list->order[finder->place[k]];
-        td_soon(td_list_record(list, finder->row[k]));
-        if (td_by_channels(image)) td_soon(td_list_colour(list, image, finder->row[k]));
+        td_prefetch(td_list_record(list, finder->row[k]));
+        if (td_by_channels(image)) td_prefetch(td_list_colour(list, image, finder->row[k]));
     }
     for (int k = end; end > 0 && k <= (end + TD_LANES - 1) / TD_LANES * TD_LANES; k++) {
         finder->place[k] = finder->place[end - 1];

@@ -137,9 +137,9 @@ typedef td_mask td_index;
 
 /* Prefetches the cache line at `at`. */
 #if defined(TD_OPENCL) && TD_LANES > 1
-#define td_soon(place) __builtin_prefetch((const void *)(size_t)(place))
+#define td_prefetch(place) __builtin_prefetch((const void *)(size_t)(place))
 #else
-#define td_soon(place) ((void)(place))
+#define td_prefetch(place) ((void)(place))
 #endif
 
 /* array[index] for each lane, as a `type`. */

@@ -3,16 +3,16 @@
 #include "path_node.h"
 
 /* Prefetches the data of groups ahead: where few of all Gaussians are wanted, nothing else brings it near. */
-enum { TD_SOON_NODES = 2 * TD_LANES };
-static void td_nodes_soon(const td_node_job *job, int i, __global const int *gaussians, const td_source *source,
-                          const td_image *image) {
+enum { TD_PREFETCH_NODES = 2 * TD_LANES };
+static void td_nodes_prefetch(const td_node_job *job, int i, __global const int *gaussians, const td_source *source,
+                              const td_image *image) {
     const int line = 64 / (int)sizeof(td_sh_real);
     for (int lane = i; lane < i + TD_LANES && lane < job->count; lane++) {
         const int gaussian = gaussians[job->first + lane];
         if (gaussian < 0) continue;
-        td_soon(source->geometry + (long)gaussian * TD_GEOMETRY_STRIDE);
-        td_soon(source->geometry + (long)gaussian * TD_GEOMETRY_STRIDE + 8);
-        for (int k = 0; k < image->sh_stride; k += line) td_soon(source->sh + (long)gaussian * image->sh_stride + k);
+        td_prefetch(source->geometry + (long)gaussian * TD_GEOMETRY_STRIDE);
+        td_prefetch(source->geometry + (long)gaussian * TD_GEOMETRY_STRIDE + 8);
+        for (int k = 0; k < image->sh_stride; k += line) td_prefetch(source->sh + (long)gaussian * image->sh_stride + k);
     }
 }
 
@@ -25,7 +25,7 @@ TD_APART void td_nodes_apart(__constant const td_image *image_buffer, __global c
     const td_source source = *sources;
     const td_node_sink sink = *to;
     for (int i = first; i < job.count; i += step) {
-        if (TD_LANES > 1) td_nodes_soon(&job, i + TD_SOON_NODES, gaussians, &source, &image);
+        if (TD_LANES > 1) td_nodes_prefetch(&job, i + TD_PREFETCH_NODES, gaussians, &source, &image);
         td_node_group(&job, i, gaussians, places, object, views, &image, &source, &sink);
     }
 }

@@ -55,13 +55,13 @@ typedef struct td_splats_to_make {
 } td_splats_to_make;
 
 /* Prefetches the first curve's rows of TD_LANES Gaussians from `first` on: waiting for them took a quarter of the time. */
-enum { TD_SOON_GROUPS = 2 };
-static void td_rows_soon(const td_splats_to_make *of, int first) {
+enum { TD_PREFETCH_GROUPS = 2 };
+static void td_rows_prefetch(const td_splats_to_make *of, int first) {
     const int end = first + TD_LANES < of->count ? first + TD_LANES : of->count;
     for (int i = first; i < end; i++) {
         __global const int *row = of->row + 2 * (of->own[i] / TD_PATH_LEVELS - of->from);
         __global const td_real *from = of->rows + (long)row[0] * TD_PATH_STRIDE, *to = of->rows + (long)row[1] * TD_PATH_STRIDE;
-        td_soon(from), td_soon(from + 8), td_soon(to), td_soon(to + 8);
+        td_prefetch(from), td_prefetch(from + 8), td_prefetch(to), td_prefetch(to + 8);
     }
 }
 
@@ -75,7 +75,7 @@ TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_
         const int i = k * TD_LANES;
         int mine[TD_LANES];
         size_t at[TD_LANES];
-        if (TD_LANES > 1) td_rows_soon(&of, i + TD_SOON_GROUPS * TD_LANES);
+        if (TD_LANES > 1) td_rows_prefetch(&of, i + TD_PREFETCH_GROUPS * TD_LANES);
         for (int lane = 0; lane < TD_LANES; lane++) {
             const int number = i + lane < of.count ? i + lane : i, gaussian = of.seen[number];
             mine[lane] = of.own[number];
@@ -163,13 +163,13 @@ typedef struct td_list_to_make {
     int slices, item, items;
 } td_list_to_make;
 
-/* Prefetches the test of a place's splat, TD_SOON_PLACES ahead. */
-enum { TD_SOON_PLACES = 16 };
-static void td_place_soon(const td_list_to_make *of, long key, __global const int *candidates) {
+/* Prefetches the test of a place's splat, TD_PREFETCH_PLACES ahead. */
+enum { TD_PREFETCH_PLACES = 16 };
+static void td_place_prefetch(const td_list_to_make *of, long key, __global const int *candidates) {
     if (key == TD_LAST_KEY) return;
     const int gaussian = candidates[(int)(key & 0xffffffffL)];
-    td_soon(of->records + (size_t)gaussian * (size_t)of->slices * TD_TEST_REALS);
-    td_soon(of->path + gaussian), td_soon(of->sights + 2 * gaussian);
+    td_prefetch(of->records + (size_t)gaussian * (size_t)of->slices * TD_TEST_REALS);
+    td_prefetch(of->path + gaussian), td_prefetch(of->sights + 2 * gaussian);
 }
 
 TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_make *what, __global int *listed_count) {
@@ -197,7 +197,8 @@ TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_m
         if (own[i / TD_PAD * TD_PAD] == TD_LAST_KEY) continue; /* groups behind those taken aren't read */
         const int there = own[i] != TD_LAST_KEY;
         const int gaussian = there ? candidates[(int)(own[i] & 0xffffffffL)] : -1;
-        if (TD_LANES > 1 && i + TD_SOON_PLACES < tile.count) td_place_soon(&of, own[i + TD_SOON_PLACES], candidates);
+        if (TD_LANES > 1 && i + TD_PREFETCH_PLACES < tile.count)
+            td_place_prefetch(&of, own[i + TD_PREFETCH_PLACES], candidates);
         __global float *place = of.tests + td_point_tests_at(&tile, slices, 0) + td_point_test_of(i);
         __global int *listed = of.places + (tile.first + i) * TD_LIST_INTS;
         listed[TD_L_PATH] = there ? of.path[gaussian] : -1, listed[TD_L_NUMBER] = gaussian;

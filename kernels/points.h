@@ -21,8 +21,8 @@ TD_INLINE int td_point_goes_on(TD_GLOBAL const float *tests, const int *slice, i
 }
 
 /* Prefetches a curve: four cache lines. */
-TD_INLINE void td_point_soon(TD_GLOBAL const td_real *curve) {
-    td_soon(curve), td_soon(curve + 8), td_soon(curve + 16), td_soon(curve + 24);
+TD_INLINE void td_point_prefetch(TD_GLOBAL const td_real *curve) {
+    td_prefetch(curve), td_prefetch(curve + 8), td_prefetch(curve + 16), td_prefetch(curve + 24);
 }
 
 /* Enters what a chunk's points see of the first `taken` places of their tile's list. Returns the number of entries. Lanes
@@ -50,7 +50,7 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
                  bits &= bits - 1) {
                 const int place = (tile->first + i + td_point_lowest(bits)) * TD_LIST_INTS;
                 const int path = lists->places[place + TD_L_PATH], level = path & (TD_PATH_LEVELS - 1);
-                td_point_soon(paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS + curve[level * TD_LANES]);
+                td_point_prefetch(paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS + curve[level * TD_LANES]);
                 found[count++] = place;
             }
         td_point_look(paths, image, lists->places, found, count, way, rate, curve, together, entries, &eye);

@@ -172,12 +172,12 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
 }
 
 /* Prefetches the rows of the next group: they lie anywhere in memory, and waiting for them would take as long as all else. */
-TD_INLINE void td_project_soon(TD_GLOBAL const int *gaussian, const td_image *image, const td_source *source) {
+TD_INLINE void td_project_prefetch(TD_GLOBAL const int *gaussian, const td_image *image, const td_source *source) {
     for (int lane = 0; lane < TD_LANES; lane++) {
-        td_soon(source->geometry + gaussian[lane] * TD_GEOMETRY_STRIDE);
+        td_prefetch(source->geometry + gaussian[lane] * TD_GEOMETRY_STRIDE);
         TD_GLOBAL const td_sh_real *sh = source->sh + gaussian[lane] * image->sh_stride;
         int reads = gaussian[lane] < source->first_moved;
-        for (int k = 0; k < image->sh_stride && reads; k += TD_ROW) td_soon(sh + k);
+        for (int k = 0; k < image->sh_stride && reads; k += TD_ROW) td_prefetch(sh + k);
     }
 }
 
@@ -187,7 +187,7 @@ TD_INLINE void td_project_group(const td_job *job, int first, TD_GLOBAL const in
                                 const td_sink *all) {
     td_index gaussian = td_load_ints(candidates + job->candidates + first);
     if (TD_LANES > 1 && first + TD_LANES < job->count)
-        td_project_soon(candidates + job->candidates + first + TD_LANES, image, source);
+        td_project_prefetch(candidates + job->candidates + first + TD_LANES, image, source);
     int leader = candidates[job->candidates + (first & ~(TD_PAD - 1))]; /* TD_PAD candidates are of one object */
     td_source own = td_source_of(source, image, leader);
     TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];

@@ -97,10 +97,10 @@ TD_INLINE void td_deal_group(const td_job *job, int first, td_index gaussian, td
 }
 
 /* Prefetches the shared values of a group. */
-TD_INLINE void td_deal_soon(const td_shared *from, td_index row) {
+TD_INLINE void td_deal_prefetch(const td_shared *from, td_index row) {
     int lane[TD_LANES];
     td_index_lanes(row, lane);
-    for (int i = 0; i < TD_LANES; i++) td_soon(from->extents + lane[i] * TD_EXTENT_STRIDE);
+    for (int i = 0; i < TD_LANES; i++) td_prefetch(from->extents + lane[i] * TD_EXTENT_STRIDE);
 }
 
 /* Work-item `me` of `items` deals with its groups of a job. Padding reads the row of Gaussian 0, which needn't exist, and
@@ -116,7 +116,7 @@ TD_INLINE void td_deal_job(const td_job *job, int me, int items, TD_GLOBAL const
         if (first + step < job->count) {
             next = td_load_ints(own + first + step);
             next_row = td_shared_rows(from, job->shared, td_not_below_0(next));
-            if (TD_LANES > 1) td_deal_soon(from, next_row);
+            if (TD_LANES > 1) td_deal_prefetch(from, next_row);
         }
         td_deal_group(job, first, gaussian, row, image, from, all, places);
     }
