@@ -127,22 +127,23 @@ wheel() {
     system "$bare" "$small" || { fail "the bare system"; return; }
     . scripts/lent.sh
     lend "$bare"
-    rm -rf "$bare/home/user" && mkdir -p "$bare/home/user"
-    cp "$wheel" "$bare/home/user"
-    example >"$bare/home/user/example.py"
+    place=/srv/wheel
+    rm -rf "$bare$place" && mkdir -p "$bare$place"
+    cp "$wheel" "$bare$place"
+    example >"$bare$place/example.py"
     began=$SECONDS
     lent="$(settings) TIDES_DEVICE=reference"
-    within "$bare" /home/user sh -ec 'python3 -m pip install -q --user --break-system-packages ./*.whl
+    within "$bare" $place sh -ec 'python3 -m pip install -q --user --break-system-packages ./*.whl
         .local/bin/tides devices
         python3 example.py' >"$work/said" 2>&1
     lent=
     cat "$work/said"
     (library=$(realpath "${native%/*}/libtides.so") packages=$PWD/python_ctypes && cd "$work" &&
-        TIDES_DEVICE=reference TIDES_LIBRARY=$library PYTHONPATH=$packages "${PYTHON:-python3}" "$bare/home/user/example.py" >"$work/said" 2>&1)
-    if [ -s "$work/events.raw" ] && cmp -s "$work/events.raw" "$bare/home/user/events.raw"; then
+        TIDES_DEVICE=reference TIDES_LIBRARY=$library PYTHONPATH=$packages "${PYTHON:-python3}" "$bare$place/example.py" >"$work/said" 2>&1)
+    if [ -s "$work/events.raw" ] && cmp -s "$work/events.raw" "$bare$place/events.raw"; then
         pass "$(hash_of "$work/events.raw")  README's example in a bare system ($((SECONDS - began)) s)"
     else
-        fail "README's example: $(hash_of "$work/events.raw") here, $(hash_of "$bare/home/user/events.raw") there"
+        fail "README's example: $(hash_of "$work/events.raw") here, $(hash_of "$bare$place/events.raw") there"
     fi
 }
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from ._tool import tool_beside
 
 
-# #: The wheel has a font for pictures, since small systems have none. The system's fonts are preferred.
+#: The wheel has a font for pictures, since small systems have none. The system's fonts are preferred.
 FONTS = Path(__file__).resolve().parent / "fonts" / "fonts.conf"
 
 

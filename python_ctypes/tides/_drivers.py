@@ -17,7 +17,7 @@ from pathlib import Path
 
 SYSTEM = Path("/etc/OpenCL/vendors")
 LOADERS = ("OCL_ICD_VENDORS", "OPENCL_VENDOR_PATH", "OCL_ICD_FILENAMES")
-# #: Distributions that have a driver, and the driver's file.
+#: Distributions that have a driver, and the driver's file.
 DRIVERS = {"intel-opencl-rt": "libintelocl.so"}
 
 

@@ -76,6 +76,6 @@ def _check_sizes(functions: SimpleNamespace, path: str) -> None:
 
 _drivers.offer()
 _cdll, PATH = _load()
-# #: Every public function by its C name, such as lib.tides_version().
+#: Every public function by its C name, such as lib.tides_version().
 lib = _bind(_cdll, PATH)
 _check_sizes(lib, PATH)

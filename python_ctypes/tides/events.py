@@ -35,13 +35,13 @@ EVENT = np.dtype(
     }
 )
 
-# #: Causes of events: {"signal": 0, "leak": 1, ...}.
+#: Causes of events: {"signal": 0, "leak": 1, ...}.
 CAUSES = constants("TIDES_CAUSE_")
 
-# #: Columns of labels in a file: {"cause": 1, ...}.
+#: Columns of labels in a file: {"cause": 1, ...}.
 LABELS = constants("TIDES_LABEL_")
 
-# #: The records of tonic's datasets and transforms: t [us], p 0 or 1.
+#: The records of tonic's datasets and transforms: t [us], p 0 or 1.
 TONIC = np.dtype([("x", "<i2"), ("y", "<i2"), ("t", "<i8"), ("p", "i1")])
 
 

@@ -242,7 +242,7 @@ def _quaternion(rotation: np.ndarray) -> np.ndarray:
     return q if q[0] >= 0 else -q
 
 
-# #: Rotations wxyz from camera axes of other systems to TIDES', OpenCV's (x right, y down, z forward).
+#: Rotations wxyz from camera axes of other systems to TIDES', OpenCV's (x right, y down, z forward).
 CAMERA_AXES = {
     "opencv": (1.0, 0.0, 0.0, 0.0),
     "opengl": (0.0, 1.0, 0.0, 0.0),  # x right, y up, looks along -z: MuJoCo, USD and so Isaac, Genesis, Blender

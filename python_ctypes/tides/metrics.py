@@ -29,7 +29,7 @@ def table() -> list[Facts]:
     ]
 
 
-# #: Families of values: "isi", "same_time", "fano", "chamfer", "kernel", "match" ...
+#: Families of values: "isi", "same_time", "fano", "chamfer", "kernel", "match" ...
 FAMILIES = constants("TIDES_METRIC_")
 
 

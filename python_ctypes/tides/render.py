@@ -28,10 +28,10 @@ TRUTHS = tuple(text(lib.tides_truth_name(index)) for index in range(_api.TIDES_T
 
 #: Material points (Renderer.pick): the scene's object (-1: none), its Gaussian, and standard deviations along its axes.
 MATERIAL_POINT = np.dtype([("object", "i4"), ("reserved", "i4"), ("gaussian", "i8"), ("xi", "f8", 3)])
-# #: Places of material points in the image (Renderer.follow): u, v [px], depth [scene units], and whether it is visible.
+#: Places of material points in the image (Renderer.follow): u, v [px], depth [scene units], and whether it is visible.
 TRACK = np.dtype([("u", "f8"), ("v", "f8"), ("depth", "f8"), ("visible", "i4"), ("reserved", "i4")])
 
-# #: Ground truth at an event's pixel when it fired (Renderer.event_truth).
+#: Ground truth at an event's pixel when it fired (Renderer.event_truth).
 EVENT_TRUTH = np.dtype(
     [(name, "f8") for name in ("flow_u", "flow_v", "depth", "alpha")] + [("instance", "i4"), ("reserved", "i4")]
 )

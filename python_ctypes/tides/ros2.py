@@ -46,7 +46,7 @@ PERIOD_S = 0.01  # of packets, along the run's own path
 GAP_S = 60.0  # between poses, at most: where clocks disagree, a run of years would begin
 POSE, TWIST = "geometry_msgs::msg::dds_::PoseStamped_", "geometry_msgs::msg::dds_::TwistStamped_"
 
-# #: Cyclone's settings for runs that only this machine receives.
+#: Cyclone's settings for runs that only this machine receives.
 LOOPBACK = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
 <AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>30
 </MaxAutoParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""

@@ -111,7 +111,7 @@ class Session(Handle):
         self.values, self.sees_frames = values_of(facts.values, self), bool(facts.sees_frames)
         self.intrinsics = Intrinsics._from(facts.intrinsics)
         self.scene = self.camera = self.frames = None
-        # #: Notes on what was opened; each line is also a warning.
+        #: Notes on what was opened; each line is also a warning.
         self.notes = text(lib.tides_session_notes(made)).splitlines()
         for line in self.notes:
             warn(line)

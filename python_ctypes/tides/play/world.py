@@ -33,7 +33,7 @@ FLIGHT = 0.12  # speed without Shift, in distances to the scene's middle per sec
 RESPONSE_S = 0.12  # of the camera to keys, in real time
 LONGEST_S = 1e5  # of a flight if nothing in the scene ends before
 
-# #: Rows of a preset on the page: key of the run file, name, unit, and the factor to that unit.
+#: Rows of a preset on the page: key of the run file, name, unit, and the factor to that unit.
 ROWS = [
     ("sensor.threshold_on", "threshold ON", "", 1),
     ("sensor.threshold_off", "threshold OFF", "", 1),
