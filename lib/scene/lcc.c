@@ -23,7 +23,7 @@
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_folder.h"
-#include "td_model_files.h"
+#include "td_levels.h"
 #include "td_scene.h"
 #include "td_splat.h"
 #include "td_splat_json.h"
@@ -45,7 +45,7 @@ typedef struct lcc {
     const char *path;
     cJSON *meta;
     int has_sh;
-    int64_t levels, level;
+    td_levels levels;
     unsigned char *units; /* the bytes of index.bin */
     size_t count;         /* number of units */
     tides_error *error;
@@ -71,13 +71,6 @@ static tides_status read_extent(const lcc *l, const char *name, const char *othe
     return td_fail(l->error, TIDES_BAD_FILE, "%s: attributes: %s has no min and max of 3 numbers", l->path, otherwise);
 }
 
-static tides_status choose_level(lcc *l, const char *part) {
-    l->level = part ? td_numbered(part, "", "") : 0;
-    if (l->level >= 0 && l->level < l->levels) return TIDES_OK;
-    return td_fail(l->error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\" is none of its levels of detail, 0 to %lld",
-                   l->path, part, (long long)l->levels - 1);
-}
-
 static tides_status read_beside(const lcc *l, const char *name, unsigned char **bytes, size_t *size) {
     char *file = td_beside(l->path, name, l->error), *data = NULL;
     tides_status status = file ? td_read_file(file, SIZE_MAX - 1, &data, size, l->error) : TIDES_NO_MEMORY;
@@ -97,8 +90,8 @@ static tides_status read_meta(lcc *l) {
     l->has_sh = type && strcmp(type, "Portable") == 0  ? 0
                 : type && strcmp(type, "Quality") == 0 ? 1
                                                        : attribute(l, "shcoef") != NULL;
-    l->levels = td_json_whole(l->meta, "totalLevel", 1, LEVELS_MAX);
-    if (l->levels > 0) return TIDES_OK;
+    l->levels.count = td_json_whole(l->meta, "totalLevel", 1, LEVELS_MAX);
+    if (l->levels.count > 0) return TIDES_OK;
     return td_fail(l->error, TIDES_BAD_FILE, "%s: is no LCC scene: its totalLevel isn't a number from 1 to %d", l->path,
                    LEVELS_MAX);
 }
@@ -112,9 +105,9 @@ static tides_status lcc_open(lcc *l, const char *path, const char *part, tides_e
     size_t size = 0;
     *l = (lcc){.path = path, .error = error};
     tides_status status = read_meta(l);
-    if (!status) status = choose_level(l, part);
+    if (!status) status = td_levels_choose(l->path, part, &l->levels, l->error);
     if (!status) status = read_beside(l, names[INDEX], &l->units, &size);
-    const size_t unit = UNIT + RUN * (size_t)l->levels;
+    const size_t unit = UNIT + RUN * (size_t)l->levels.count;
     l->count = size / unit;
     if (!status && (size == 0 || size % unit != 0))
         status = td_fail(error, TIDES_BAD_FILE, "%s: its index.bin has %zu bytes, which isn't a multiple of the %zu of a unit",
@@ -155,7 +148,7 @@ static void take_harmonics(const unsigned char *b, const extent *range, const td
 
 /* The run of unit i for the chosen level of detail. */
 static const unsigned char *run_of(const lcc *l, size_t i) {
-    return l->units + (UNIT + RUN * (size_t)l->levels) * i + UNIT + RUN * (size_t)l->level;
+    return l->units + (UNIT + RUN * (size_t)l->levels.count) * i + UNIT + RUN * (size_t)l->levels.level;
 }
 
 /* Counts the Gaussians of the level's runs. Each run must lie within the `size` bytes of data.bin. The sum must not exceed the
@@ -172,7 +165,7 @@ static tides_status count_runs(const lcc *l, size_t size, int64_t *count) {
     }
     if ((uint64_t)*count <= size / RECORD && *count > 0) return TIDES_OK;
     return td_fail(l->error, TIDES_BAD_FILE, "%s: its units have %lld Gaussians at level %lld, and data.bin has %zu in all",
-                   l->path, (long long)*count, (long long)l->level, size / RECORD);
+                   l->path, (long long)*count, (long long)l->levels.level, size / RECORD);
 }
 
 static void take_runs(const lcc *l, const unsigned char *data, const unsigned char *sh, const extent ranges[2],
@@ -258,10 +251,7 @@ static tides_status read_all(const lcc *l, td_gaussians *gaussians) {
     if (status) return status;
     gaussians->up[1] = -1;
     status = td_gaussians_place(gaussians, quarter, l->error);
-    if (!status && l->levels > 1)
-        status = td_note(&gaussians->notes, l->error,
-                         "its level of detail %lld is read, of 0, the finest, to %lld: scene.part names another",
-                         (long long)l->level, (long long)l->levels - 1);
+    if (!status) status = td_levels_note(&l->levels, &gaussians->notes, l->error);
     if (status) td_gaussians_free(gaussians);
     return status;
 }

@@ -13,7 +13,7 @@
  * Axes are LCC's: z is up. The numbers of a .spz are in these axes, too, and not in those of its own format. */
 #include "td_base.h"
 #include "td_folder.h"
-#include "td_model_files.h"
+#include "td_levels.h"
 #include "td_scene.h"
 #include "td_splat.h"
 #include "td_splat_json.h"
@@ -32,9 +32,10 @@ typedef struct lcc2 {
     const char *path;
     cJSON *meta;
     const cJSON *root, *names;
-    const char *ending;                        /* of all files: ".sog" */
-    int64_t levels, level, files, environment; /* files: how many names; environment: its file; -1: none */
-    run *runs;                                 /* of the level that is read, by file and start */
+    const char *ending; /* of all files: ".sog" */
+    td_levels levels;
+    int64_t files, environment; /* files: how many names; environment: its file; -1: none */
+    run *runs;                  /* of the level that is read, by file and start */
     size_t count, capacity;
     tides_error *error;
 } lcc2;
@@ -81,13 +82,6 @@ static tides_status check_names(lcc2 *l) {
     return TIDES_OK;
 }
 
-static tides_status choose_level(lcc2 *l, const char *part) {
-    l->level = part ? td_numbered(part, "", "") : 0;
-    if (l->level >= 0 && l->level < l->levels) return TIDES_OK;
-    return td_fail(l->error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\" is none of its levels of detail, 0 to %lld",
-                   l->path, part, (long long)l->levels - 1);
-}
-
 static tides_status read_meta(lcc2 *l) {
     char *text = NULL;
     size_t size = 0;
@@ -103,9 +97,10 @@ static tides_status read_meta(lcc2 *l) {
     if (strcmp(l->ending, ".sog") != 0 && strcmp(l->ending, ".spz") != 0 && strcmp(l->ending, ".ply") != 0)
         return td_fail(l->error, TIDES_UNSUPPORTED, "%s: its splatType is \"%.40s\": .sog, .spz and .ply are read", l->path,
                        l->ending);
-    l->levels = td_json_whole(l->meta, cJSON_GetObjectItemCaseSensitive(l->meta, "totalLevels") ? "totalLevels" : "lod_level",
-                              1, LEVELS_MAX);
-    if (l->levels < 0)
+    l->levels.count =
+        td_json_whole(l->meta, cJSON_GetObjectItemCaseSensitive(l->meta, "totalLevels") ? "totalLevels" : "lod_level", 1,
+                      LEVELS_MAX);
+    if (l->levels.count < 0)
         return td_fail(l->error, TIDES_BAD_FILE, "%s: is no LCC2 scene: its totalLevels isn't a number from 1 to %d", l->path,
                        LEVELS_MAX);
     return check_names(l);
@@ -146,11 +141,11 @@ static tides_status list_runs(lcc2 *l, const cJSON *node, int64_t depth) {
     tides_status status = TIDES_OK;
     cJSON_ArrayForEach(child, cJSON_GetObjectItemCaseSensitive(node, "child")) {
         const cJSON *of = run_of(child);
-        const int64_t level = l->levels - depth - 1;
+        const int64_t level = l->levels.count - depth - 1;
         if (of && level < 0)
             return td_fail(l->error, TIDES_BAD_FILE, "%s: its tree is deeper than its %lld levels of detail", l->path,
-                           (long long)l->levels);
-        if (of && (level == l->level || (level > l->level && !has_finer(child)))) status = add_run(l, of);
+                           (long long)l->levels.count);
+        if (of && (level == l->levels.level || (level > l->levels.level && !has_finer(child)))) status = add_run(l, of);
         if (!status) status = list_runs(l, child, depth + 1);
         if (status) return status;
     }
@@ -166,7 +161,7 @@ static int by_place(const void *a, const void *b) {
 static tides_status lcc2_open(lcc2 *l, const char *path, const char *part, tides_error *error) {
     *l = (lcc2){.path = path, .environment = -1, .error = error};
     tides_status status = read_meta(l);
-    if (!status) status = choose_level(l, part);
+    if (!status) status = td_levels_choose(l->path, part, &l->levels, l->error);
     if (status) return status;
     const cJSON *environment = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(l->root, "data"), "env");
     if (cJSON_IsObject(environment)) l->environment = td_json_whole(environment, "name", 0, l->files - 1);
@@ -174,8 +169,8 @@ static tides_status lcc2_open(lcc2 *l, const char *path, const char *part, tides
         return td_fail(error, TIDES_BAD_FILE, "%s: env must have a name, a number in splatFiles", path);
     status = list_runs(l, l->root, 0);
     if (!status && l->count == 0)
-        status =
-            td_fail(error, TIDES_BAD_FILE, "%s: no node of its tree has Gaussians at level %lld", path, (long long)l->level);
+        status = td_fail(error, TIDES_BAD_FILE, "%s: no node of its tree has Gaussians at level %lld", path,
+                         (long long)l->levels.level);
     if (!status) qsort(l->runs, l->count, sizeof *l->runs, by_place);
     return status;
 }
@@ -267,11 +262,7 @@ static tides_status turn(const lcc2 *l, td_gaussians *g) {
 
 static tides_status note(const lcc2 *l, td_gaussians *g) {
     const char *version = td_json_text(l->meta, "version");
-    tides_status status = TIDES_OK;
-    if (l->levels > 1)
-        status = td_note(&g->notes, l->error,
-                         "its level of detail %lld is read, of 0, the finest, to %lld: scene.part names another",
-                         (long long)l->level, (long long)l->levels - 1);
+    tides_status status = td_levels_note(&l->levels, &g->notes, l->error);
     if (!status && version && strncmp(version, "0.0.", 4) != 0)
         status = td_note(&g->notes, l->error, "its version is %.20s, and what is known is 0.0.3", version);
     return status;

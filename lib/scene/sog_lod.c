@@ -9,6 +9,7 @@
  * was missing, and "environment" could be null. */
 #include "td_base.h"
 #include "td_folder.h"
+#include "td_levels.h"
 #include "td_model_files.h"
 #include "td_scene.h"
 #include "td_splat.h"
@@ -118,9 +119,8 @@ static tides_status read_part(const lod *l, const char *name, int64_t wanted, td
 }
 
 static tides_status note_levels(const lod *l, td_gaussians *gaussians) {
-    return td_note(&gaussians->notes, l->error,
-                   "its level of detail %.20s is read, of 0, the finest, to %lld: scene.part names another", l->level,
-                   (long long)l->coarsest);
+    const td_levels levels = {td_numbered(l->level, "", ""), l->coarsest + 1};
+    return td_levels_note(&levels, &gaussians->notes, l->error);
 }
 
 static tides_status read_parts(const lod *l, td_gaussians *gaussians) {
@@ -131,13 +131,12 @@ static tides_status read_parts(const lod *l, td_gaussians *gaussians) {
     for (int64_t i = 0; i < l->files && !status; i++)
         if (l->counts[i] > 0) status = read_part(l, l->names[i], l->counts[i], &parts[count++]);
     if (!status && count == 0 && strcmp(l->level, "0") != 0)
-        status = td_fail(l->error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\" is none of its levels of detail, 0 to %lld",
-                         l->path, l->level, (long long)l->coarsest);
+        status = td_levels_refuse(l->path, l->level, l->coarsest + 1, l->error);
     if (!status && count == 0)
         status = td_fail(l->error, TIDES_BAD_FILE, "%s: no leaf of its tree has Gaussians at level 0, the finest", l->path);
     if (!status && environment) status = read_part(l, environment, -1, &parts[count++]);
     if (!status) status = td_gaussians_join(parts, count, gaussians, l->error);
-    if (!status && l->coarsest > 0 && (status = note_levels(l, gaussians)) != TIDES_OK) td_gaussians_free(gaussians);
+    if (!status && (status = note_levels(l, gaussians)) != TIDES_OK) td_gaussians_free(gaussians);
     for (size_t i = 0; i < count; i++) td_gaussians_free(&parts[i]);
     free(parts);
     return status;
