@@ -19,39 +19,51 @@ static double form_at(const form *f, double x, double y) {
     return 0.5 * (dx * (f->a * dx + 2 * f->b * dy) + f->c * dy * dy) + f->rest;
 }
 
-/* The rows of an object's view at place s in part k: on the cubic through the part's ends. */
-static void view_at(const td_swap_samples *at, int object, int k, double s, double r[9], double t[3]) {
-    const td_view *from = &at->view[(size_t)k * (size_t)at->objects + (size_t)object], *to = from + at->objects;
-    const double rest = 1 - s, way = s * s * (3 - 2 * s), start = at->h * s * rest * rest, end = -at->h * s * s * rest;
-    for (int i = 0; i < 9; i++) r[i] = from->r[i] + way * (to->r[i] - from->r[i]) + start * from->r_dot[i] + end * to->r_dot[i];
-    for (int i = 0; i < 3; i++) t[i] = from->t[i] + way * (to->t[i] - from->t[i]) + start * from->t_dot[i] + end * to->t_dot[i];
+/* Weights of the cubic through a part's two ends, at place s: of the change of value, and of both rates. */
+typedef struct weights {
+    double way, start, end;
+} weights;
+
+static weights weights_at(double h, double s) {
+    const double rest = 1 - s;
+    return (weights){s * s * (3 - 2 * s), h * s * rest * rest, -h * s * s * rest};
 }
 
-/* The middle of a splat there, in its object's units. */
-static void mean_at(const td_swap_samples *at, const td_swap_splat *of, int k, double s, double mean[3]) {
+static double between(const weights *w, double from, double to, double rate0, double rate1) {
+    return from + w->way * (to - from) + w->start * rate0 + w->end * rate1;
+}
+
+/* The rows of an object's view in part k. */
+static void view_at(const td_swap_samples *at, int object, int k, const weights *w, double r[9], double t[3]) {
+    const td_view *from = &at->view[(size_t)k * (size_t)at->objects + (size_t)object], *to = from + at->objects;
+    for (int i = 0; i < 9; i++) r[i] = between(w, from->r[i], to->r[i], from->r_dot[i], to->r_dot[i]);
+    for (int i = 0; i < 3; i++) t[i] = between(w, from->t[i], to->t[i], from->t_dot[i], to->t_dot[i]);
+}
+
+/* The mean of a splat in part k, in its object's units. */
+static void mean_at(const td_swap_splat *of, int k, const weights *w, double mean[3]) {
     memcpy(mean, of->geometry + TD_G_MEAN, 3 * sizeof *mean);
     if (!of->move) return;
     const td_swap_move *from = &of->move[k], *to = from + 1;
-    const double rest = 1 - s, way = s * s * (3 - 2 * s), start = at->h * s * rest * rest, end = -at->h * s * s * rest;
-    for (int i = 0; i < 3; i++)
-        mean[i] = from->mean[i] + way * (to->mean[i] - from->mean[i]) + start * from->rate[i] + end * to->rate[i];
+    for (int i = 0; i < 3; i++) mean[i] = between(w, from->mean[i], to->mean[i], from->rate[i], to->rate[i]);
 }
 
-/* A splat there; 0 where it is behind the camera (EWA, kernels/projection.h). */
+/* The form of a splat at place s of part k, by EWA; 0 if it is behind the camera. */
 static int find_form(const td_image *image, const td_swap_samples *at, const td_swap_splat *of, int k, double s, form *f) {
     const double *g = of->geometry, *m = g + TD_G_FACTOR;
     double r[9], t[3], p[3], mean[3], row[2][3];
-    view_at(at, of->object, k, s, r, t);
-    mean_at(at, of, k, s, mean);
+    const weights w = weights_at(at->h, s);
+    view_at(at, of->object, k, &w, r, t);
+    mean_at(of, k, &w, mean);
     for (int i = 0; i < 3; i++) p[i] = td_dot3(r + 3 * i, mean) + t[i];
     if (!(p[2] > image->near)) return 0;
     const double x = td_lesser(td_greater(p[0] / p[2], image->limit_x0), image->limit_x1);
     const double y = td_lesser(td_greater(p[1] / p[2], image->limit_y0), image->limit_y1);
     for (int j = 0; j < 3; j++) {
-        double w[3];
-        for (int i = 0; i < 3; i++) w[i] = r[3 * i] * m[j] + r[3 * i + 1] * m[3 + j] + r[3 * i + 2] * m[6 + j];
-        row[0][j] = image->fx / p[2] * (w[0] - x * w[2]);
-        row[1][j] = image->fy / p[2] * (w[1] - y * w[2]);
+        double axis[3];
+        for (int i = 0; i < 3; i++) axis[i] = r[3 * i] * m[j] + r[3 * i + 1] * m[3 + j] + r[3 * i + 2] * m[6 + j];
+        row[0][j] = image->fx / p[2] * (axis[0] - x * axis[2]);
+        row[1][j] = image->fy / p[2] * (axis[1] - y * axis[2]);
     }
     double a = image->dilation, b = 0, c = image->dilation;
     for (int j = 0; j < 3; j++) a += row[0][j] * row[0][j], b += row[0][j] * row[1][j], c += row[1][j] * row[1][j];
