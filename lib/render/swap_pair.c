@@ -201,9 +201,7 @@ static void note_part(const pair *of, double near, int k) {
     const double c[4] = {d0, d0 + third * (a->z_dot[k] - b->z_dot[k]), d1 - third * (a->z_dot[k + 1] - b->z_dot[k + 1]), d1};
     const double within = near * fabs(a->z[k]);
     double end[4] = {0};
-    if (td_lesser(td_lesser(c[0], c[1]), td_lesser(c[2], c[3])) > within ||
-        td_greater(td_greater(c[0], c[1]), td_greater(c[2], c[3])) < -within)
-        return;
+    if (td_least4(c) > within || td_most4(c) < -within) return;
     /* Depths that pass so slowly are seen by samples (note_time). No bend is more than 4 times the steepest slope. */
     const double slow = of->slow * of->tile->at->parts;
     const double steepest = 3 * td_greater(td_greater(fabs(c[1] - c[0]), fabs(c[2] - c[1])), fabs(c[3] - c[2]));

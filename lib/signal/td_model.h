@@ -46,8 +46,8 @@ static inline double td_model_value(const td_model *model, double s) {
  * lift extrema out of it. */
 static inline double td_model_value_within(const td_model *model, double s) {
     const double *b = model->control;
-    const double low = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3]));
-    const double high = td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3]));
+    const double low = td_least4(b);
+    const double high = td_most4(b);
     return td_lesser(td_greater(td_model_value(model, s), low), high);
 }
 

@@ -171,8 +171,8 @@ static int stays_within(const td_model *cubic, double bottom, double top, double
     const td_model within = td_model_part(cubic, from, to);
     const double *b = cubic->control, *c = within.control;
     const double slack = 16 * DBL_EPSILON * td_greater(td_greater(fabs(b[0]), fabs(b[1])), td_greater(fabs(b[2]), fabs(b[3])));
-    const double low = td_lesser(td_lesser(c[0], c[1]), td_lesser(c[2], c[3]));
-    const double high = td_greater(td_greater(c[0], c[1]), td_greater(c[2], c[3]));
+    const double low = td_least4(c);
+    const double high = td_most4(c);
     return low - slack > bottom && high + slack < top;
 }
 

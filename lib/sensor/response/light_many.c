@@ -50,8 +50,8 @@ TD_WIDE static void go_on(const shared *by, walk *at) {
                              td_model_blossom(whole, from, to, to), td_model_blossom(whole, to, to, to)};
         double term[TD_TIME_MAP_TERMS];
         const td_light_answer answer = td_light_step(b, S, seconds * (to - from), law, term);
-        const double least = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3]));
-        const double most = td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3]));
+        const double least = td_least4(b);
+        const double most = td_most4(b);
         const double taken = answer.error <= tolerance ? 1.0 : 0.0;
         const double next = choose(taken, td_substep_after(to - from, tolerance, answer.error),
                                    td_substep_again(to - from, tolerance, answer.error));

@@ -38,8 +38,8 @@ static inline void step(int slow, const real_pole *pole, size_t count, const dou
         const double b[4] = {b0[i], b1[i], b2[i], b3[i]};
         double finite = (b[0] - b[0]) + (b[1] - b[1]) + (b[2] - b[2]) + (b[3] - b[3]); /* 0, or NaN */
         double begin = S[i] - S[i] == 0 ? S[i] : b[0], end = respond(slow, pole, b, begin);
-        double least = td_lesser(td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3])), begin);
-        double most = td_greater(td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3])), begin);
+        double least = td_lesser(td_least4(b), begin);
+        double most = td_greater(td_most4(b), begin);
         double margin = rounding * (td_greater(most, -least) + (most - least));
         after[i] = finite == 0 ? end : S[i];
         low[i] = least - margin + finite;

@@ -54,8 +54,8 @@ static td_approach approach_at(const td_visit *v, int k, double u) {
 static int may_reach(const td_visit *v, int k) {
     const td_sensor *sensor = &v->s->sensor;
     const double *b = v->model.pieces.model[k].control, doubt = td_trusted_doubt(&v->model, k, 0.5);
-    const double most = td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3])) + doubt + v->model.floor;
-    const double least = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3])) - doubt - v->model.floor;
+    const double most = td_most4(b) + doubt + v->model.floor;
+    const double least = td_least4(b) - doubt - v->model.floor;
     if (doubt <= v->model.floor) return 0;
     for (int n = td_changes_until(v, v->model.pieces.from[k]);; n++) {
         const double reference = td_reference_after(v, n);

@@ -347,8 +347,8 @@ static inline void mark(int own, const td_timed *timed, double rounding, const d
         const double on = own ? levels.threshold_on[k] : same_on, off = own ? levels.threshold_off[k] : same_off;
         const double first = b[1] - b[0], second = b[2] - b[1], last = b[3] - b[2], reference = levels.reference[k] - ramp;
         const double most = td_greater(td_greater(first, second), last), least = td_lesser(td_lesser(first, second), last);
-        const double low = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3])) + td_lesser(rise, 0);
-        const double high = td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3])) + td_greater(rise, 0);
+        const double low = td_least4(b) + td_lesser(rise, 0);
+        const double high = td_most4(b) + td_greater(rise, 0);
         const double bump = deviation ? TD_PROBE_LEFT_MOST * deviation[k]
                                       : td_embedded(at.S1[k] - at.S0[k], h * at.S0_dot[k], h * at.S1_dot[k]);
         const double lost = 64 * DBL_EPSILON * (fabs(low) + fabs(high) + fabs(reference)) + rounding;
