@@ -435,7 +435,7 @@ clean: ## Remove build/
 	rm -rf build
 
 # -- packages ----------------------------------------------------------------------------------------------------------
-.PHONY: wheel wheel-built check-wheel check-extras deb check-deb
+.PHONY: wheel wheel-built check-wheel deb check-deb
 # The wheel has in it what its library and tool link: archives where the system has them, copies of the shared libraries of the rest
 # (python_ctypes/stage.py). The older kind of run path (DT_RPATH) is the one that goes for what those libraries link, too.
 STAGE := $(OUT)/wheel
@@ -457,8 +457,6 @@ wheel-built: # scripts/check_arm.sh does this alone where compilers are emulated
 	TIDES_WHEEL='$(CURDIR)/$(STAGE)' TIDES_PAGES='$(CURDIR)/$(PAGES)' \
 	    $(PYTHON) -m pip wheel -q --no-build-isolation --no-deps -w '$(WHEELS)' ./python_ctypes
 	@ls '$(WHEELS)'/*.whl
-check-extras: wheel ## Each extra (play, usd, mujoco, ros2) from the index in a fresh environment, and its page's first commands; minutes
-	sh scripts/check_extras.sh '$(WHEELS)'/tides-*.whl
 check-wheel: wheel ## As root: the wheel in chroots of Debian 12 and 13 that have python3 and pip alone (debootstrap); minutes
 	sh scripts/check_wheel.sh '$(WHEELS)'/tides-*.whl
 

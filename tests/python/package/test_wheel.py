@@ -160,16 +160,32 @@ def test_fresh_environment_runs_the_readme(wheel, numpy, tmp_path):
     assert run(python, "-m", "tides", "--version", env=outside(), cwd=tmp_path) == said
 
 
+def first_block(page):
+    """The commands with which a page of the guide begins, but pip's, as a shell runs them. What would wait for a person ends by
+    itself, and nothing leaves this machine."""
+    block = re.search(r"^```sh\n(.*?)^```", (ROOT / "docs" / "guide" / page).read_text(), re.M | re.S)[1]
+    ends = {"tides.play": " --no-browser --alone 2", "tides.ros2": " --loopback", "--poses": " --silence 2"}
+    for line in block.splitlines():
+        command = re.sub(r"\s+#.*", "", line).replace("python_ctypes/", f"{ROOT}/python_ctypes/")
+        if not command.startswith("pip "):
+            yield command + "".join(more for word, more in ends.items() if word in command)
+
+
 @pytest.mark.parametrize(
-    "extra, program",
+    "extra, page, program",
     [
-        ("play", "from tides.play.server import PAGE, page_headers; print('default-src' in str(page_headers(PAGE.read_text())))"),
-        ("mujoco", "import catch_ball; print(catch_ball.catch()[-1, 0] > 0.8)"),
-        ("ros2", "import tides.ros2; print(len(tides.ros2.messages.evt3(*4 * [tides.ros2.np.ones(1, int)])) == 8)"),
+        (
+            "play",
+            "play.md",
+            "from tides.play.server import PAGE, page_headers; print('default-src' in str(page_headers(PAGE.read_text())))",
+        ),
+        ("usd", "usd.md", "import tides.usd; from pxr import UsdVol; print(hasattr(UsdVol, 'ParticleField3DGaussianSplat'))"),
+        ("mujoco", "physics.md", "import catch_ball; print(catch_ball.catch()[-1, 0] > 0.8)"),
+        ("ros2", "ros2.md", "import tides.ros2; print(len(tides.ros2.messages.evt3(*4 * [tides.ros2.np.ones(1, int)])) == 8)"),
     ],
 )
-def test_extra_installs_and_runs(wheel, extra, program, tmp_path):
-    """From the index, into an environment of its own, with all that it depends on."""
+def test_extra_installs_and_runs(wheel, extra, page, program, tmp_path):
+    """From the index, into an environment of its own, with all that it depends on; then its page's first commands."""
     venv = tmp_path / "venv"
     run(sys.executable, "-m", "venv", "--without-pip", venv)
     python = venv / "bin" / "python"
@@ -179,6 +195,10 @@ def test_extra_installs_and_runs(wheel, extra, program, tmp_path):
         pytest.skip(f"no package index can be reached: pip install tides[{extra}]")
     assert index.returncode == 0, index.stderr
     assert run(python, "-c", program, env=outside(PYTHONPATH=str(EXAMPLES)), cwd=tmp_path) == "True\n"
+    commands = [*first_block(page)]
+    assert commands
+    path = f"{venv / 'bin'}:{os.environ['PATH']}"
+    run("sh", "-euc", "\n".join(commands), env=outside(PATH=path), cwd=tmp_path, timeout=120)
 
 
 @pytest.mark.parametrize(
