@@ -221,8 +221,9 @@ static inline double td_solve_swap_unseen(double wide) {
 }
 
 /* How far swaps that don't show in a step's samples may move a pixel's log_luminance between these: all together, where it is S
- * or more at both ends. */
+ * or more at both ends. td_solve_widen_swapped adds it to `widen` of each of the unit's pixels. */
 double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S);
+void td_solve_widen_swapped(const tides_simulator *s, const td_refine_step *step, const td_signals *signals, double *widen);
 
 /* td_solve_sample offers a settled event to the measurement, and sets its `order`. td_solve_cut keeps the events to be
  * measured, TD_CHOSEN_MOST at most (chosen.c). */

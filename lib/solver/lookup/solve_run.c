@@ -42,11 +42,11 @@ static int may_act(const td_visit *v) {
     static const td_tile one = {0, 0, 1, 1};
     const td_ends *at = &v->looked->ends;
     const td_signals own = {&at->S0, &at->S0_dot, &at->S1, &at->S1_dot};
+    if (v->looked->looks > 0) return 1;
     const double swapped =
         td_solve_swapped(v->s, &v->s->refine.step[v->looked->step], v->pixel->local, td_lesser(at->S0, at->S1));
     const double widen = v->looked->trust.error + v->s->solve.samples + swapped;
     uint8_t active = 0;
-    if (v->looked->looks > 0) return 1;
     td_sensor_find(&v->s->sensor, &v->now->span, &one, v->at, &own, &widen, &active);
     return active;
 }

@@ -80,11 +80,16 @@ uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, in
 
 /* -- looking at them ------------------------------------------------------------------------------------------------------- */
 
-/* The swaps of the block that contains a pixel of a unit. */
-static const td_swap *swaps_of(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
+/* The block of a unit that contains one of its pixels. */
+static int block_of(const tides_simulator *s, const td_refine_step *step, int32_t local) {
     const td_tile *unit = &s->layout.tile[step->tile];
     const int across = TD_TILE / TD_BLOCK, x = local % unit->width / TD_BLOCK, y = local / unit->width / TD_BLOCK;
-    return td_units_swaps(s, step->tile, td_units_blocks(s) > 1 ? y * across + x : 0, count);
+    return td_units_blocks(s) > 1 ? y * across + x : 0;
+}
+
+/* The swaps of the block that contains a pixel of a unit. */
+static const td_swap *swaps_of(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
+    return td_units_swaps(s, step->tile, block_of(s, step, local), count);
 }
 
 const td_swap *td_solve_swaps(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
@@ -101,7 +106,8 @@ td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step
     return (td_swap_place){(swap->part * part - step->from) / length, (double)swap->wide * part / length, (double)swap->light};
 }
 
-double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S) {
+/* The light of all swaps of a pixel's block that don't show in the step's samples. */
+static double unseen_light(const tides_simulator *s, const td_refine_step *step, int32_t local) {
     int count;
     double squares = 0;
     const td_swap *list = td_solve_swaps(s, step, local, &count);
@@ -111,5 +117,23 @@ double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, in
         const double light = swap.light * td_solve_swap_unseen(swap.wide);
         squares += light * light;
     }
-    return squares > 0 ? sqrt(squares) / td_renderer_swap_scale(s->renderer, td_exp(S)) : 0;
+    return sqrt(squares);
+}
+
+static double moved_by(const tides_simulator *s, double light, double S) {
+    return light > 0 ? light / td_renderer_swap_scale(s->renderer, td_exp(S)) : 0;
+}
+
+double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S) {
+    return moved_by(s, unseen_light(s, step, local), S);
+}
+
+void td_solve_widen_swapped(const tides_simulator *s, const td_refine_step *step, const td_signals *signals, double *widen) {
+    double light[TD_TILE_BLOCKS];
+    for (int k = 0; k < TD_TILE_BLOCKS; k++) light[k] = -1; /* not known yet */
+    for (int32_t i = 0; i < s->layout.tile[step->tile].count; i++) {
+        double *own = &light[block_of(s, step, i)];
+        if (*own < 0) *own = unseen_light(s, step, i);
+        widen[i] += moved_by(s, *own, td_lesser(signals->S0[i], signals->S1[i]));
+    }
 }
