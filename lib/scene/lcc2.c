@@ -200,8 +200,9 @@ static tides_status read_file(const lcc2 *l, int64_t index, td_gaussians *g) {
 static tides_status keep_runs(const lcc2 *l, const run *runs, size_t count, td_gaussians *g) {
     int64_t kept = 0, end = 0;
     for (size_t i = 0; i < count; i++) {
-        if (runs[i].count == WHOLE) return TIDES_OK;
-        if (runs[i].start < end || runs[i].start + runs[i].count > g->count) {
+        const int whole = runs[i].count == WHOLE;
+        if (whole && count == 1) return TIDES_OK;
+        if (whole || runs[i].start < end || runs[i].start + runs[i].count > g->count) {
             char *name = name_of(l, runs[i].file);
             tides_status status =
                 td_fail(l->error, TIDES_BAD_FILE, "%s: nodes share Gaussians of %.80s, or it has fewer than they say, %lld",

@@ -189,12 +189,12 @@ class Follower:
     """A live run whose camera has the poses of PoseStamped messages. With `twists` its velocities are those of the TwistStamped of the
     same stamp, in world axes. `axes`: the axes of the poses, a key of CAMERA_AXES. The run begins at the first pose, whose stamp
     becomes time.start; stamps of events are of the same clock. An invalid pose, or one more than `gap_s` after the pose before, is
-    left out with a warning."""
+    left out with a warning. If the second pose is that far from the first, their clocks differ: the run begins anew there."""
 
     def __init__(self, node: Node, twists: bool = False, axes: str = "opencv", gap_s: float = GAP_S, **how: Any):
         camera_quaternion((1, 0, 0, 0), axes)  # raises for an unknown name
         self.node, self.axes, self.gap_s, self._twisted = node, axes, gap_s, twists
-        self.live = Live(node.session, **how)
+        self.live, self._how = Live(node.session, **how), how
         self._poses = node.bus.reader(f"{node.name}/pose", messages.PoseStamped)
         self._twists = node.bus.reader(f"{node.name}/twist", messages.TwistStamped) if twists else None
         self._waiting: tuple[dict[int, Any], dict[int, Any]] = ({}, {})
@@ -253,7 +253,13 @@ class Follower:
             self.live.tell(told, self.live.time)
             self._first, self.node.shift_ns = ns, ns - round(_SECOND * self.live.time)
             return None
-        ahead = self.node.session.values.start + (ns - self._first) / _SECOND - self.live.time
+        start = self.node.session.values.start
+        ahead = start + (ns - self._first) / _SECOND - self.live.time
+        if self.live.time == start and abs(ahead) > self.gap_s:
+            warn(f"the first pose, at {self._first / _SECOND:.9g} s, is of another clock: the run begins at {ns / _SECOND:.9g} s")
+            self.live.close()
+            self.live, self._first = Live(self.node.session, **self._how), None
+            return self._tell(ns, told)
         if ahead <= 0:
             raise ValueError("the run is past it")
         if ahead > self.gap_s:

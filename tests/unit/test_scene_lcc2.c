@@ -232,6 +232,8 @@ static void refused(void **state) {
         {ONE("1", "\"3dgs/0.ply\"", "\"name\":0,\"count\":-1"), "a number in splatFiles", TIDES_BAD_FILE},
         {ONE("1", "\"3dgs/0.ply\"", "\"name\":0,\"start\":2"), "start and count", TIDES_BAD_FILE},
         {ONE("1", "\"3dgs/0.ply\"", "\"name\":0,\"start\":2,\"count\":4"), "3dgs/0.ply|fewer|5", TIDES_BAD_FILE},
+        {ONE("1", "\"3dgs/0.ply\"", "\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":0"), "nodes share Gaussians of 3dgs/0.ply",
+         TIDES_BAD_FILE},
         {ONE("1", "\"3dgs/9.ply\"", "\"name\":0"), "3dgs/9.ply", TIDES_FILE_NOT_FOUND},
         {ONE("1", "\"a.lcc2\"", "\"name\":0"), "a.lcc2.ply", TIDES_FILE_NOT_FOUND},
         {"{\"totalLevels\":2,\"splatType\":\".ply\"," ROOT(FOUR(".ply"), "null"), "deeper than its 2 levels", TIDES_BAD_FILE},
