@@ -106,7 +106,7 @@ typedef struct part_step {
     const int32_t *which;
 } part_step;
 
-static tides_status compare_some(tides_simulator *s, td_portion *portion, int first, int stop, const void *user,
+static tides_status compare_some(const tides_simulator *s, td_portion *portion, int first, int stop, const void *user,
                                  tides_error *error) {
     const part_step *at = user;
     tides_status status = TIDES_OK;
