@@ -390,8 +390,8 @@ static tides_status step_block(tile_job *job, size_t first, size_t count) {
     return TIDES_OK;
 }
 
-tides_status td_sensor_step(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first, const td_seen *seen,
-                            td_work *work, tides_error *error) {
+tides_status td_sensor_step(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
+                            const td_seen *seen, td_work *work, tides_error *error) {
     const size_t before = work->events.count, pixels = (size_t)tile->count;
     noise_block noise;
     tile_job job = {.pixel = {.sensor = sensor, .step = step, .light = seen->light, .buffer = &work->events, .error = error},

@@ -238,8 +238,8 @@ TIDES_MUST_CHECK tides_status td_solve_join_samples(tides_simulator *s, const td
 
 /* Runs a pixel from its first unsettled step to the first in which something must be looked up, and requests that. An ideal
  * pixel is run to its last step. Its steps are in `looked`. */
-TIDES_MUST_CHECK tides_status td_solve_run(const tides_simulator *s, struct td_portion *portion, td_looked *looked, td_solving *pixel,
-                                           tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_run(const tides_simulator *s, struct td_portion *portion, td_looked *looked,
+                                           td_solving *pixel, tides_error *error);
 
 /* Trust in the models of pixels [first, first + count) of a unit, on a step of h seconds, before anything is looked up:
  * (count). */

@@ -17,7 +17,8 @@ static void note_step(const tides_simulator *s, td_step_counts *steps, const td_
     steps->worst_deviation = td_greater(steps->worst_deviation, step->deviation);
 }
 
-static tides_status compare_step(const tides_simulator *s, td_portion *portion, const td_refine_step *refined, tides_error *error) {
+static tides_status compare_step(const tides_simulator *s, td_portion *portion, const td_refine_step *refined,
+                                 tides_error *error) {
     const td_refine *r = &s->refine;
     const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
     td_refine_planes(s, refined, begin_planes, end_planes);

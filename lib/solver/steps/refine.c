@@ -149,8 +149,8 @@ static void hand_down(const td_refine *r, int32_t before, int32_t sample, int32_
 }
 
 /* Cuts a step at the position `at`, where `sample` was rendered. The second part is the new step `right`. */
-static void cut(const tides_simulator *s, const td_refine *r, double start, double stop, int32_t left, int32_t right, uint32_t at,
-                int32_t sample) {
+static void cut(const tides_simulator *s, const td_refine *r, double start, double stop, int32_t left, int32_t right,
+                uint32_t at, int32_t sample) {
     td_refine_step *a = &r->step[left], *b = &r->step[right];
     if (a->swap) {
         keep_deviations(r, a->probe, sample, s->layout.tile[a->tile].count);
