@@ -101,9 +101,17 @@ tides_status compare_configure(const comparison *c, const char *method, int32_t 
 /* The rows' TIDES_IDEAL_*. */
 int32_t compare_ideal(const comparison *c);
 
-/* compare_score.c: compares events with a reference's. */
-tides_status compare_measure(comparison *c, const tides_event *events, size_t count, const cli_stream *stream,
-                             int32_t reference, uint32_t wanted, tides_metrics *metrics, cJSON **json, tides_error *error);
+/* Two streams to be compared. */
+typedef struct compare_pair {
+    const tides_event *events; /* (count) the reference's */
+    size_t count;
+    const cli_stream *stream;
+    int32_t reference; /* COMPARE_EXACT or _RECORDING: the interval and the limit of matches */
+    uint32_t wanted;   /* TIDES_METRIC_* */
+} compare_pair;
+
+/* compare_score.c: compares a stream with a reference. */
+tides_status compare_measure(comparison *c, const compare_pair *pair, tides_metrics *metrics, tides_error *error);
 /* Compares the row's stream with all references; floors go to c->floors. */
 tides_status compare_score(comparison *c, compare_row *row, tides_error *error);
 tides_status compare_floors(comparison *c, tides_error *error);

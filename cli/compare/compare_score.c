@@ -6,35 +6,44 @@
 
 enum { WANTED = TIDES_METRICS_DEFAULT | TIDES_METRIC_MATCH };
 
-tides_status compare_measure(comparison *c, const tides_event *events, size_t count, const cli_stream *stream,
-                             int32_t reference, uint32_t wanted, tides_metrics *metrics, cJSON **json, tides_error *error) {
+static tides_metrics_options options_of(const comparison *c, const compare_pair *pair) {
     tides_metrics_options options;
-    tides_metrics own;
     tides_metrics_options_defaults(&options);
-    options.wanted = wanted;
+    options.wanted = pair->wanted;
     options.width = c->session.intrinsics.width;
     options.height = c->session.intrinsics.height;
-    options.match_limit_s = reference == COMPARE_EXACT ? TIDES_MATCH_LIMIT_S : c->fair.tolerance_s;
-    compare_interval(c, reference, &options.start_ns, &options.stop_ns);
-    tides_status status = tides_metrics_compare(events, count, stream->events, stream->count, &options, cli_progress_step,
-                                                &c->progress, metrics ? metrics : &own, error);
-    if (status != TIDES_OK || !json) return status;
-    *json = cli_metrics_json(metrics ? metrics : &own, &options);
+    options.match_limit_s = pair->reference == COMPARE_EXACT ? TIDES_MATCH_LIMIT_S : c->fair.tolerance_s;
+    compare_interval(c, pair->reference, &options.start_ns, &options.stop_ns);
+    return options;
+}
+
+tides_status compare_measure(comparison *c, const compare_pair *pair, tides_metrics *metrics, tides_error *error) {
+    const tides_metrics_options options = options_of(c, pair);
+    return tides_metrics_compare(pair->events, pair->count, pair->stream->events, pair->stream->count, &options,
+                                 cli_progress_step, &c->progress, metrics, error);
+}
+
+/* The metrics as the report has them. */
+static tides_status report(comparison *c, const compare_pair *pair, cJSON **json, tides_error *error) {
+    tides_metrics metrics;
+    const tides_metrics_options options = options_of(c, pair);
+    tides_status status = compare_measure(c, pair, &metrics, error);
+    if (status != TIDES_OK) return status;
+    *json = cli_metrics_json(&metrics, &options);
     return *json ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: metrics");
 }
 
 tides_status compare_score(comparison *c, compare_row *row, tides_error *error) {
     tides_status status = TIDES_OK;
     cli_stream kept;
+    const compare_pair with_exact = {c->exact.events, c->exact.count, &row->stream, COMPARE_EXACT, WANTED};
+    const compare_pair with_recording = {c->recording.events, c->recording.count, &kept, COMPARE_RECORDING, WANTED};
     /* On frames the exact stream is TIDES' own straight lines, so that TIDES isn't compared with it. */
     if (c->with_exact && !(c->session.frames && strcmp(row->name, "tides") == 0))
-        status = compare_measure(c, c->exact.events, c->exact.count, &row->stream, COMPARE_EXACT, WANTED, NULL,
-                                 &row->against[COMPARE_EXACT], error);
+        status = report(c, &with_exact, &row->against[COMPARE_EXACT], error);
     if (status != TIDES_OK || !c->recording_file) return status;
     status = compare_fair_events(c, &row->stream, &kept, error);
-    if (status == TIDES_OK)
-        status = compare_measure(c, c->recording.events, c->recording.count, &kept, COMPARE_RECORDING, WANTED, NULL,
-                                 &row->against[COMPARE_RECORDING], error);
+    if (status == TIDES_OK) status = report(c, &with_recording, &row->against[COMPARE_RECORDING], error);
     free(kept.events);
     return status;
 }
@@ -57,9 +66,8 @@ static tides_status of_seeds(comparison *c, const compare_row *row, tides_error 
     const uint64_t seed = strtoull(c->session.values.seed, NULL, 10);
     tides_status status = run_again(c, row, seed, &one, error);
     if (status == TIDES_OK) status = run_again(c, row, seed + 1, &other, error);
-    if (status == TIDES_OK)
-        status = compare_measure(c, one.events, one.count, &other, COMPARE_RECORDING, WANTED, NULL, &c->floors[COMPARE_SEEDS],
-                                 error);
+    const compare_pair seeds = {one.events, one.count, &other, COMPARE_RECORDING, WANTED};
+    if (status == TIDES_OK) status = report(c, &seeds, &c->floors[COMPARE_SEEDS], error);
     free(one.events);
     free(other.events);
     return status;
@@ -77,10 +85,9 @@ static tides_status of_pixels(comparison *c, tides_error *error) {
         half->events[half->count] = w->events[i];
         half->events[half->count++].x /= 2;
     }
-    if (status == TIDES_OK)
-        status = compare_measure(c, halves[0].events, halves[0].count, &halves[1], COMPARE_RECORDING,
-                                 TIDES_METRIC_COUNTS | TIDES_METRIC_ISI | TIDES_METRIC_FANO, NULL, &c->floors[COMPARE_PIXELS],
-                                 error);
+    const compare_pair pixels = {halves[0].events, halves[0].count, &halves[1], COMPARE_RECORDING,
+                                 TIDES_METRIC_COUNTS | TIDES_METRIC_ISI | TIDES_METRIC_FANO};
+    if (status == TIDES_OK) status = report(c, &pixels, &c->floors[COMPARE_PIXELS], error);
     for (int i = 0; i < 2; i++) free(halves[i].events);
     return status;
 }

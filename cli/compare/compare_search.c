@@ -33,12 +33,11 @@ static tides_status attempt(search *s, const double *values, double *score, tide
     comparison *c = s->c;
     cli_stream kept = {.events = NULL};
     tides_metrics metrics;
+    const compare_pair pair = {c->recording.events, c->recording.count, &kept, COMPARE_RECORDING, TIDES_METRIC_VICTOR_PURPURA};
     *score = INFINITY;
     write_found(s, values);
     tides_status status = compare_run_fair(c, s->row, &s->row->found, &kept, error);
-    if (status == TIDES_OK)
-        status = compare_measure(c, c->recording.events, c->recording.count, &kept, COMPARE_RECORDING,
-                                 TIDES_METRIC_VICTOR_PURPURA, &metrics, NULL, error);
+    if (status == TIDES_OK) status = compare_measure(c, &pair, &metrics, error);
     if (status == TIDES_OK) *score = metrics.victor_purpura_fraction;
     free(kept.events);
     s->runs++;

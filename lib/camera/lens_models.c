@@ -38,15 +38,23 @@ int td_lens_has(int32_t model, const char *key) {
     return 0;
 }
 
+/* Between words of a list: `last` stands before the last one. */
+static const char *between(int i, int count, const char *last) { return i == 0 ? "" : i + 1 == count ? last : ", "; }
+
+static size_t add_word(char text[TD_LENS_WORDS], size_t used, const char *word, const char *before) {
+    return used + (size_t)snprintf(text + used, TD_LENS_WORDS - used, "%s%s", before, word);
+}
+
 const char *td_lens_keys(int32_t model, char text[TD_LENS_WORDS]) {
     const td_lens_model *m = &models[model];
     size_t used = 0;
     snprintf(text, TD_LENS_WORDS, "no coefficients: set camera.lens");
-    for (int i = 0; i < m->count; i++)
-        used += (size_t)snprintf(text + used, TD_LENS_WORDS - used, "%s%s",
-                                 i == 0              ? ""
-                                 : i + 1 == m->count ? " and "
-                                                     : ", ",
-                                 m->key[i]);
+    for (int i = 0; i < m->count; i++) used = add_word(text, used, m->key[i], between(i, m->count, " and "));
+    return text;
+}
+
+const char *td_lens_choices(char text[TD_LENS_WORDS]) {
+    size_t used = 0;
+    for (int i = 1; i < MODELS; i++) used = add_word(text, used, models[i].name, between(i - 1, MODELS - 1, " or "));
     return text;
 }

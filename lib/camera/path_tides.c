@@ -155,7 +155,7 @@ static tides_status read_samples(td_path_reader *reader, const cJSON *list) {
     return TIDES_OK;
 }
 
-/* Reads {"model": "radtan"} or "equidistant", and the coefficients, which are 0 if missing. */
+/* Reads a lens such as {"model": "radtan"}, and the coefficients, which are 0 if missing. */
 static tides_status read_lens(td_path_reader *reader, const cJSON *object, tides_lens *lens) {
     static const char *const keys[] = {"k1", "k2", "k3", "k4", "p1", "p2", "model", NULL}, *where = "intrinsics.lens";
     double *values[] = {&lens->k1, &lens->k2, &lens->k3, &lens->k4, &lens->p1, &lens->p2};
@@ -164,7 +164,11 @@ static tides_status read_lens(td_path_reader *reader, const cJSON *object, tides
     if (status != TIDES_OK) return status;
     const char *name = cJSON_IsString(model) ? model->valuestring : "";
     lens->model = td_lens_named(name);
-    if (lens->model <= TIDES_LENS_NONE) return td_json_fail(reader, where, "model", "must be \"radtan\" or \"equidistant\"");
+    if (lens->model <= TIDES_LENS_NONE) {
+        char choices[TD_LENS_WORDS];
+        return td_fail(reader->error, TIDES_BAD_FILE, "%s: %s.model: must be %s", reader->file, where,
+                       td_lens_choices(choices));
+    }
     for (int k = 0; k < 6 && status == TIDES_OK; k++)
         if (td_json_has(object, keys[k])) status = td_json_number(reader, object, where, keys[k], values[k]);
     return status;

@@ -27,7 +27,10 @@ int td_lens_list(const tides_lens *lens, double numbers[TD_COEFFICIENTS_MAX]);
 int td_lens_has(int32_t model, const char *key);
 
 /* Names the coefficients in a sentence: "k1, k2, p1, p2 and k3". */
-enum { TD_LENS_WORDS = 64 };
+enum { TD_LENS_WORDS = 128 };
 const char *td_lens_keys(int32_t model, char text[TD_LENS_WORDS]);
+
+/* Names the lenses with a distortion in a sentence: "radtan or equidistant". */
+const char *td_lens_choices(char text[TD_LENS_WORDS]);
 
 #endif

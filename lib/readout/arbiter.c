@@ -123,7 +123,8 @@ tides_status tides_arbiter_create(const tides_readout *given, int32_t width, int
     if (!td_arbiter_has_ticks(a)) a->readout.eta = a->readout.gamma_sigma_s = 0; /* without ticks, activity isn't known */
     readout = &a->readout;
     a->start_ns = a->last_t = INT64_MIN;
-    a->tick = a->tick_end = INT64_MIN;
+    a->tick.next = a->tick.end = a->bus.free = INT64_MIN;
+    a->bus.latch = TD_NO_LATCH;
     a->drops = readout->p0 + readout->eta > 0;
     a->jitters = readout->sigma0_s + readout->gamma_sigma_s > 0;
     a->wide = readout->jitter_law == TIDES_JITTER_DELAY ? 1 / half_normal_sigma : 1;
@@ -238,7 +239,7 @@ static void leave(tides_arbiter *a, int32_t count, int64_t start) {
 static tides_status serve(tides_arbiter *a, tides_error *error) {
     int rows = a->readout.kind == TIDES_READOUT_ROWS;
     int32_t queue =
-        rows ? (int32_t)(((a->tick % a->height) + a->height) % a->height) : td_queues_next(&a->queues, a->next_queue);
+        rows ? (int32_t)(((a->tick.next % a->height) + a->height) % a->height) : td_queues_next(&a->queues, a->next_queue);
     int32_t count = rows ? INT32_MAX : a->readout.k0, length = a->queues.queues[queue].length;
     if (a->readout.kind == TIDES_READOUT_TILES) count = a->release[queue];
     if (count > length) count = length;
@@ -246,11 +247,11 @@ static tides_status serve(tides_arbiter *a, tides_error *error) {
     if (status != TIDES_OK) return status;
     if (count) {
         td_queues_take(&a->queues, queue, count, a->out.events + a->out.count);
-        leave(a, count, a->tick * a->tick_ns);
+        leave(a, count, a->tick.next * a->tick_ns);
     }
     a->stats.ticks++;
     a->next_queue = queue + 1;
-    a->tick++;
+    a->tick.next++;
     return TIDES_OK;
 }
 
@@ -261,19 +262,19 @@ static int64_t tick_of(const tides_arbiter *a, int64_t t) {
 
 /* Serves all ticks before the one that holds `t`. */
 static tides_status serve_until(tides_arbiter *a, int64_t t, tides_error *error) {
-    if (t < a->tick_end) return TIDES_OK;
+    if (t < a->tick.end) return TIDES_OK;
     int64_t now = tick_of(a, t);
     tides_status status = TIDES_OK;
-    while (a->queues.waiting > 0 && a->tick < now && status == TIDES_OK) status = serve(a, error);
-    if (a->tick < now) a->tick = now; /* no queue held an event */
-    a->tick_end = (now + 1) * a->tick_ns;
+    while (a->queues.waiting > 0 && a->tick.next < now && status == TIDES_OK) status = serve(a, error);
+    if (a->tick.next < now) a->tick.next = now; /* no queue held an event */
+    a->tick.end = (now + 1) * a->tick_ns;
     return status;
 }
 
 /* Events that have yet to leave won't get an earlier time than this [ns]. */
 static int64_t certain_until(const tides_arbiter *a) {
     double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s;
-    int64_t start = a->tick_ns ? a->tick * a->tick_ns : a->last_t;
+    int64_t start = a->tick_ns ? a->tick.next * a->tick_ns : a->last_t;
     if (!td_arbiter_has_ticks(a)) start = td_asked_certain(a);
     return a->jitters && a->readout.jitter_law == TIDES_JITTER_GAUSSIAN ? start - (int64_t)ceil(TD_NORMAL_MAX * sigma * 1e9)
                                                                         : start;
@@ -296,12 +297,12 @@ static tides_status check_order(tides_arbiter *a, const tides_event *events, siz
  * the tick may not be over, 0: then they must queue. */
 static size_t find_prompt(const tides_arbiter *a, const tides_event *events, size_t count) {
     if (a->queues.waiting > 0 || a->drops || a->readout.kind == TIDES_READOUT_ROWS) return 0;
-    if (events[0].t < a->tick * a->tick_ns) return 0;
+    if (events[0].t < a->tick.next * a->tick_ns) return 0;
     const int32_t tile = td_arbiter_tile(a, events), queue = queue_of(a, events, tile);
     const int32_t served = a->readout.kind == TIDES_READOUT_TILES ? a->release[queue] : a->readout.k0;
     const size_t most = (size_t)(served < a->queues.capacity ? served : a->queues.capacity);
     for (size_t n = 1; n < count && n <= most; n++) {
-        if (events[n].t >= a->tick_end) return n;
+        if (events[n].t >= a->tick.end) return n;
         if (queue_of(a, &events[n], td_arbiter_tile(a, &events[n])) != queue) return 0;
     }
     return 0;
@@ -315,8 +316,8 @@ static tides_status leave_promptly(tides_arbiter *a, const tides_event *events, 
     a->next_queue = queue_of(a, events, td_arbiter_tile(a, events)) + 1;
     a->stats.in += count;
     a->stats.ticks++;
-    leave(a, (int32_t)count, a->tick * a->tick_ns);
-    a->tick++;
+    leave(a, (int32_t)count, a->tick.next * a->tick_ns);
+    a->tick.next++;
     return TIDES_OK;
 }
 

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NEXT_QUEUE, TICK, TICK_END, LAST_T, IN, OUT, DROPPED, OVERFLOWED, DELAYED, TICKS, WORST_DELAY, WAITING, HELD, HEADER };
+/* FROM and UNTIL are tick.next and tick.end, or bus.free and bus.latch. */
+enum { NEXT_QUEUE, FROM, UNTIL, LAST_T, IN, OUT, DROPPED, OVERFLOWED, DELAYED, TICKS, WORST_DELAY, WAITING, HELD, HEADER };
 enum { TIME, PLACE, QUEUE_OR_FIRED, TILE, ROW };
 
 /* -- events -------------------------------------------------------------------------------------------------------------- */
@@ -48,10 +49,11 @@ tides_status td_arbiter_pack(const tides_arbiter *a, int64_t **numbers, size_t *
         free(events);
         return TIDES_NO_MEMORY;
     }
+    const int ticks = td_arbiter_has_ticks(a);
     int64_t *row = n + HEADER;
     const int64_t header[HEADER] = {[NEXT_QUEUE] = a->next_queue,
-                                    [TICK] = a->tick,
-                                    [TICK_END] = a->tick_end,
+                                    [FROM] = ticks ? a->tick.next : a->bus.free,
+                                    [UNTIL] = ticks ? a->tick.end : a->bus.latch,
                                     [LAST_T] = a->last_t,
                                     [IN] = (int64_t)a->stats.in,
                                     [OUT] = (int64_t)a->stats.out,
@@ -97,10 +99,12 @@ tides_status td_arbiter_unpack(tides_arbiter *a, const int64_t *n, size_t count,
     if (n[WAITING] < 0 || n[HELD] < 0 || (uint64_t)n[WAITING] > rows || (uint64_t)n[HELD] != rows - (uint64_t)n[WAITING] ||
         n[NEXT_QUEUE] < 0 || n[NEXT_QUEUE] > a->queues.count)
         return bad(error);
-    if (a->readout.kind == TIDES_READOUT_REQUESTED && n[TICK_END] != TD_NO_LATCH && n[NEXT_QUEUE] < 1) return bad(error);
+    if (a->readout.kind == TIDES_READOUT_REQUESTED && n[UNTIL] != TD_NO_LATCH && n[NEXT_QUEUE] < 1) return bad(error);
     a->next_queue = (int32_t)n[NEXT_QUEUE];
-    a->tick = n[TICK];
-    a->tick_end = n[TICK_END];
+    if (td_arbiter_has_ticks(a))
+        a->tick.next = n[FROM], a->tick.end = n[UNTIL];
+    else
+        a->bus.free = n[FROM], a->bus.latch = n[UNTIL];
     a->last_t = n[LAST_T];
     a->stats = (tides_readout_stats){.in = (uint64_t)n[IN], .out = (uint64_t)n[OUT], .dropped = (uint64_t)n[DROPPED]};
     a->stats.overflowed = (uint64_t)n[OVERFLOWED];

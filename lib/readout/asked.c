@@ -37,14 +37,14 @@ static tides_status leave(tides_arbiter *a, int32_t queue, int32_t count, int64_
 /* Gives the bus to the next row. All waiting events fired before that time, because later ones arrive later. */
 static void grant(tides_arbiter *a) {
     a->next_queue = td_queues_next(&a->queues, a->next_queue) + 1;
-    a->tick_end = a->tick + a->row_ns;
+    a->bus.latch = a->bus.free + a->row_ns;
 }
 
 static tides_status read_row(tides_arbiter *a, tides_error *error) {
     const int32_t row = a->next_queue - 1, count = a->queues.queues[row].length;
-    const int64_t latch = a->tick_end, apart = a->readout.stamp == TIDES_STAMP_ROW ? 0 : a->event_ps;
-    a->tick = latch + bus_time(a, count);
-    a->tick_end = TD_NO_LATCH;
+    const int64_t latch = a->bus.latch, apart = a->readout.stamp == TIDES_STAMP_ROW ? 0 : a->event_ps;
+    a->bus.free = latch + bus_time(a, count);
+    a->bus.latch = TD_NO_LATCH;
     return leave(a, row, count, latch, apart, error);
 }
 
@@ -52,16 +52,16 @@ static tides_status read_row(tides_arbiter *a, tides_error *error) {
 
 static tides_status read_frame(tides_arbiter *a, tides_error *error) {
     const int32_t count = a->queues.queues[0].length;
-    const int64_t begins = a->tick, lasts = bus_time(a, count);
-    a->tick += lasts > a->frame_ns ? lasts : a->frame_ns;
+    const int64_t begins = a->bus.free, lasts = bus_time(a, count);
+    a->bus.free += lasts > a->frame_ns ? lasts : a->frame_ns;
     memset(a->held, 0, ((size_t)a->width * (size_t)a->height + 63) / 64 * sizeof *a->held);
     return leave(a, 0, count, begins, 0, error);
 }
 
 /* Goes to the first frame at or after `t`. */
 static void skip_frames(tides_arbiter *a, int64_t t) {
-    if (a->tick == INT64_MIN) a->tick = t / a->frame_ns * a->frame_ns - (t < 0 ? a->frame_ns : 0);
-    if (a->tick < t) a->tick += (t - a->tick + a->frame_ns - 1) / a->frame_ns * a->frame_ns;
+    if (a->bus.free == INT64_MIN) a->bus.free = t / a->frame_ns * a->frame_ns - (t < 0 ? a->frame_ns : 0);
+    if (a->bus.free < t) a->bus.free += (t - a->bus.free + a->frame_ns - 1) / a->frame_ns * a->frame_ns;
 }
 
 /* -- both ---------------------------------------------------------------------------------------------------------------- */
@@ -69,8 +69,8 @@ static void skip_frames(tides_arbiter *a, int64_t t) {
 tides_status td_asked_until(tides_arbiter *a, int64_t t, tides_error *error) {
     tides_status status = TIDES_OK;
     while (a->queues.waiting > 0 && status == TIDES_OK) {
-        const int latched = a->tick_end != TD_NO_LATCH;
-        if (t <= (latched ? a->tick_end : a->tick)) break;
+        const int latched = a->bus.latch != TD_NO_LATCH;
+        if (t <= (latched ? a->bus.latch : a->bus.free)) break;
         if (a->readout.kind == TIDES_READOUT_SCANNED)
             status = read_frame(a, error);
         else if (latched)
@@ -84,12 +84,12 @@ tides_status td_asked_until(tides_arbiter *a, int64_t t, tides_error *error) {
 tides_status td_asked_append(tides_arbiter *a, const tides_event *event, int *full, tides_error *error) {
     const int scanned = a->readout.kind == TIDES_READOUT_SCANNED;
     if (a->queues.waiting == 0 && scanned) skip_frames(a, event->t);
-    if (a->queues.waiting == 0 && !scanned && a->tick < event->t) a->tick = event->t;
+    if (a->queues.waiting == 0 && !scanned && a->bus.free < event->t) a->bus.free = event->t;
     *full = scanned && td_arbiter_hold(a, event);
     return *full ? TIDES_OK : td_queues_append(&a->queues, scanned ? 0 : event->y, event, full, error);
 }
 
 int64_t td_asked_certain(const tides_arbiter *a) {
-    if (a->queues.waiting == 0) return a->tick > a->last_t ? a->tick : a->last_t;
-    return a->tick_end != TD_NO_LATCH ? a->tick_end : a->tick;
+    if (a->queues.waiting == 0) return a->bus.free > a->last_t ? a->bus.free : a->last_t;
+    return a->bus.latch != TD_NO_LATCH ? a->bus.latch : a->bus.free;
 }

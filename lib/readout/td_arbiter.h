@@ -20,11 +20,16 @@ struct tides_arbiter {
     int32_t *release;                /* (tiles) K_m: events per tick */
     td_queues queues;
     uint64_t *held;     /* SCANNED: a bit per pixel: it holds an event */
-    int32_t next_queue; /* the queue from which the scanner searches */
-    /* the first tick that hasn't been served. Without ticks: when the bus becomes free, or the frame begins [ns] */
-    int64_t tick;
-    int64_t tick_end; /* end of the last arrival's tick [ns]; REQUESTED: when row next_queue - 1 is latched, or TD_NO_LATCH */
-    int64_t last_t;   /* time of the last event that was pushed [ns] */
+    int32_t next_queue; /* the queue from which the search for the next one goes on: behind the one that was found last */
+    struct {
+        int64_t next; /* the first one that hasn't been served */
+        int64_t end;  /* end of the last arrival's [ns] */
+    } tick;           /* of readouts with ticks */
+    struct {
+        int64_t free;  /* when the bus becomes free, or the next frame begins [ns] */
+        int64_t latch; /* REQUESTED: when row next_queue - 1 is latched [ns], or TD_NO_LATCH */
+    } bus;             /* of readouts without */
+    int64_t last_t;    /* time of the last event that was pushed [ns] */
     td_release out;
     tides_readout_stats stats;
 };

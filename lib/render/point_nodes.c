@@ -33,6 +33,39 @@ static const double strays_px = 1e-3, strays_share = 0.5;
 /* Samples nearer than this to another are it [s]. */
 static const double same_time = 1e-9;
 
+static tides_status create_group(td_path_group *group, size_t count, tides_error *error) {
+    group->own = td_alloc(count, sizeof *group->own, error);
+    group->gaussians = td_alloc(count, sizeof *group->gaussians, error);
+    group->level = td_alloc(count, sizeof *group->level, error);
+    group->first = td_alloc(count + TD_PAD, sizeof *group->first, error);
+    group->open_at = td_alloc(count, sizeof *group->open_at, error);
+    group->halve_from = td_alloc(count, sizeof *group->halve_from, error);
+    group->halve_to = td_alloc(count, sizeof *group->halve_to, error);
+    group->is_direct = td_alloc(count, sizeof *group->is_direct, error);
+    group->tried = td_alloc(count + TD_PAD, sizeof *group->tried, error);
+    group->fit.worst = td_alloc(count + TD_PAD, sizeof *group->fit.worst, error);
+    const int has_lists = group->own && group->gaussians && group->level && group->first && group->open_at;
+    const int has_work = group->halve_from && group->halve_to && group->is_direct && group->tried && group->fit.worst;
+    return has_lists && has_work ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+static void release_group(td_path_group *group) {
+    free(group->own);
+    free(group->gaussians);
+    free(group->level);
+    free(group->first);
+    free(group->open_at);
+    free(group->open);
+    free(group->halve_from);
+    free(group->halve_to);
+    free(group->is_direct);
+    free(group->tried);
+    free(group->row);
+    free(group->length);
+    free(group->fit.worst);
+    free(group->fit.each);
+}
+
 tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *shared, td_point_nodes *nodes,
                                    tides_error *error) {
     const size_t all = (size_t)renderer->store.count, count = all < GROUP ? all : GROUP;
@@ -40,20 +73,9 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *sha
     nodes->path = td_alloc(all, sizeof *nodes->path, error);
     nodes->listed = td_alloc(all, sizeof *nodes->listed, error);
     nodes->wanted = td_alloc(all, sizeof *nodes->wanted, error);
-    nodes->group.own = td_alloc(count, sizeof *nodes->group.own, error);
-    nodes->group.gaussians = td_alloc(count, sizeof *nodes->group.gaussians, error);
-    nodes->group.level = td_alloc(count, sizeof *nodes->group.level, error);
-    nodes->group.first = td_alloc(count + TD_PAD, sizeof *nodes->group.first, error);
-    nodes->group.open_at = td_alloc(count, sizeof *nodes->group.open_at, error);
-    nodes->group.halve_from = td_alloc(count, sizeof *nodes->group.halve_from, error);
-    nodes->group.halve_to = td_alloc(count, sizeof *nodes->group.halve_to, error);
-    nodes->group.is_direct = td_alloc(count, sizeof *nodes->group.is_direct, error);
-    nodes->group.tried = td_alloc(count + TD_PAD, sizeof *nodes->group.tried, error);
-    nodes->group.fit.worst = td_alloc(count + TD_PAD, sizeof *nodes->group.fit.worst, error);
-    if (!nodes->path || !nodes->listed || !nodes->wanted || !nodes->group.own || !nodes->group.gaussians ||
-        !nodes->group.level || !nodes->group.first || !nodes->group.open_at || !nodes->group.halve_from ||
-        !nodes->group.halve_to || !nodes->group.is_direct || !nodes->group.tried || !nodes->group.fit.worst)
-        return TIDES_NO_MEMORY;
+    if (!nodes->path || !nodes->listed || !nodes->wanted) return TIDES_NO_MEMORY;
+    const tides_status status = create_group(&nodes->group, count, error);
+    if (status != TIDES_OK) return status;
     nodes->group_size = GROUP;
     nodes->sample_size = SOME;
     nodes->exact = shared;
@@ -69,20 +91,7 @@ void td_point_nodes_release(td_point_nodes *nodes) {
     free(nodes->path);
     free(nodes->listed);
     free(nodes->wanted);
-    free(nodes->group.own);
-    free(nodes->group.gaussians);
-    free(nodes->group.level);
-    free(nodes->group.first);
-    free(nodes->group.open_at);
-    free(nodes->group.open);
-    free(nodes->group.halve_from);
-    free(nodes->group.halve_to);
-    free(nodes->group.is_direct);
-    free(nodes->group.tried);
-    free(nodes->group.row);
-    free(nodes->group.length);
-    free(nodes->group.fit.worst);
-    free(nodes->group.fit.each);
+    release_group(&nodes->group);
     free(nodes->jobs.time);
     free(nodes->jobs.entry);
     free(nodes->jobs.at);
@@ -182,32 +191,34 @@ static void choose_some(td_point_nodes *nodes) {
 
 /* The first `count` of those wanted, with rows of their first levels. */
 static tides_status begin_group(const tides_renderer *renderer, td_point_nodes *nodes, int count, tides_error *error) {
+    td_path_group *group = &nodes->group;
     int64_t rows = 0;
-    nodes->bent = nodes->moving = nodes->group.count = 0;
+    nodes->bent = nodes->moving = group->count = 0;
     for (int i = 0; i < count; i++) {
         const int gaussian = nodes->wanted[i];
         int level = td_point_is_instant(nodes) ? 0 : first_level(renderer, nodes, gaussian);
         nodes->bent += level > MOST_LEVEL;
         if (level > MOST_LEVEL) level = MOST_LEVEL;
-        nodes->group.first[nodes->group.count] = (int)rows;
-        nodes->group.level[nodes->group.count] = (uint8_t)level;
-        nodes->group.open_at[nodes->group.count] = -1;
-        nodes->group.is_direct[nodes->group.count] = 0;
-        nodes->group.gaussians[nodes->group.count++] = gaussian;
+        group->first[group->count] = (int)rows;
+        group->level[group->count] = (uint8_t)level;
+        group->open_at[group->count] = -1;
+        group->is_direct[group->count] = 0;
+        group->gaussians[group->count++] = gaussian;
         rows += td_point_is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
         if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
     }
-    nodes->group.rows = (int)rows;
+    group->rows = (int)rows;
     return TIDES_OK;
 }
 
 /* Gives Gaussian i rows of the next level. */
 static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
-    const int level = ++nodes->group.level[i];
-    const int64_t rows = (int64_t)nodes->group.rows + ((int64_t)nodes->pieces << level) + 1;
+    td_path_group *group = &nodes->group;
+    const int level = ++group->level[i];
+    const int64_t rows = (int64_t)group->rows + ((int64_t)nodes->pieces << level) + 1;
     if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
-    nodes->group.first[i] = nodes->group.rows;
-    nodes->group.rows = (int)rows;
+    group->first[i] = group->rows;
+    group->rows = (int)rows;
     return TIDES_OK;
 }
 
@@ -237,15 +248,16 @@ static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *n
  * error can't be computed, the Gaussian crosses the near plane; then it has faded where its curves are invalid, if they are
  * short. */
 static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, int k, tides_error *error) {
-    const double target = target_of(renderer, nodes, i), worst = (double)nodes->group.fit.worst[k] * TD_POINT_PATH_TARGET;
-    const int first = first_level(renderer, nodes, nodes->group.gaussians[i]);
-    nodes->moving += worst > 0 && nodes->group.level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
-    if (worst > falls * target && nodes->group.level[i] < MOST_LEVEL) return refine(nodes, i, error);
+    td_path_group *group = &nodes->group;
+    const double target = target_of(renderer, nodes, i), worst = (double)group->fit.worst[k] * TD_POINT_PATH_TARGET;
+    const int first = first_level(renderer, nodes, group->gaussians[i]);
+    nodes->moving += worst > 0 && group->level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
+    if (worst > falls * target && group->level[i] < MOST_LEVEL) return refine(nodes, i, error);
     const int is_bent = worst > falls * target;
-    if (nodes->group.level[i] == 1 && worst <= target) nodes->group.level[i] = 0; /* its rows are every other row of level 1 */
+    if (group->level[i] == 1 && worst <= target) group->level[i] = 0; /* its rows are every other row of level 1 */
     const int is_direct = is_bent && may_be_direct(renderer, nodes, i);
     nodes->bent += is_bent;
-    nodes->group.is_direct[i] = (uint8_t)is_direct;
+    group->is_direct[i] = (uint8_t)is_direct;
     return TIDES_OK;
 }
 
@@ -254,24 +266,25 @@ static tides_status choose_level(const tides_renderer *renderer, td_point_nodes 
  * halves of other curves are computed. Gaussian i is number k of the `tried`, with `curves` curves each; its rows begin at
  * `from`. */
 static tides_status open_curves(td_point_nodes *nodes, int i, int k, int from, int tried, int curves, tides_error *error) {
-    const float *each = nodes->group.fit.each + k;
-    const size_t flags = (size_t)nodes->group.open_count + (size_t)curves;
-    tides_status status =
-        td_reserve((void **)&nodes->group.open, &nodes->group.open_capacity, flags, sizeof *nodes->group.open, error);
+    td_path_group *group = &nodes->group;
+    const float *each = group->fit.each + k;
+    const size_t flags = (size_t)group->open_count + (size_t)curves;
+    tides_status status = td_reserve((void **)&group->open, &group->open_capacity, flags, sizeof *group->open, error);
     if (status != TIDES_OK) return status;
-    nodes->group.open_at[i] = nodes->group.open_count;
+    group->open_at[i] = group->open_count;
     for (int curve = 0; curve < curves; curve++)
-        nodes->group.open[nodes->group.open_count++] = each[(size_t)curve * (size_t)tried] > TD_PATH_BENT;
-    nodes->group.halve_from[nodes->group.halves] = from;
-    nodes->group.halve_to[nodes->group.halves++] = nodes->group.first[i];
+        group->open[group->open_count++] = each[(size_t)curve * (size_t)tried] > TD_PATH_BENT;
+    group->halve_from[group->halves] = from;
+    group->halve_to[group->halves++] = group->first[i];
     return status;
 }
 
 /* Makes rows of the next level by halving, for Gaussians with some open curves. */
 static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *error) {
-    if (nodes->group.halves == 0) return TIDES_OK;
-    const td_halve_request request = {nodes->group.halve_from, nodes->group.halve_to, nodes->group.halves,  level,
-                                      nodes->pieces,           nodes->piece_length,   nodes->group.rows + 1};
+    const td_path_group *group = &nodes->group;
+    if (group->halves == 0) return TIDES_OK;
+    const td_halve_request request = {group->halve_from, group->halve_to,     group->halves,  level,
+                                      nodes->pieces,     nodes->piece_length, group->rows + 1};
     return td_exact_halve(nodes->exact, &request, error);
 }
 
@@ -279,34 +292,36 @@ static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *er
  * curve, too. */
 static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int level, int count, int each,
                             tides_error *error) {
-    const td_points_misfits request = {nodes->exact, nodes->group.rows,   nodes->group.tried, count,
-                                       level,        nodes->piece_length, nodes->pieces,      TD_POINT_PATH_TARGET};
-    td_points_fit fit = nodes->group.fit;
+    td_path_group *group = &nodes->group;
+    const td_points_misfits request = {nodes->exact, group->rows,         group->tried,  count,
+                                       level,        nodes->piece_length, nodes->pieces, TD_POINT_PATH_TARGET};
+    td_points_fit fit = group->fit;
     tides_status status = TIDES_OK;
     if (count == 0) return status;
     if (each)
-        status = td_reserve((void **)&nodes->group.fit.each, &nodes->group.each_capacity,
-                            td_points_tried(&request) * (size_t)count, sizeof *nodes->group.fit.each, error);
-    fit.each = each ? nodes->group.fit.each : NULL;
+        status = td_reserve((void **)&group->fit.each, &group->each_capacity, td_points_tried(&request) * (size_t)count,
+                            sizeof *group->fit.each, error);
+    fit.each = each ? group->fit.each : NULL;
     return status == TIDES_OK ? engine->type->misfits(engine, &request, &fit, error) : status;
 }
 
 /* Compares a level's paths with the previous level's, and gives the next level to Gaussians that need it. */
 static tides_status try_level(const tides_renderer *renderer, td_point_nodes *nodes, td_points_engine *engine, int level,
                               tides_error *error) {
+    td_path_group *group = &nodes->group;
     const int each = td_dynamic_has_expensive(&renderer->dynamic) && level < MOST_LEVEL;
     int count = 0;
-    for (int i = 0; i < nodes->group.count; i++)
-        if (nodes->group.level[i] == level) nodes->group.tried[count++] = nodes->group.first[i];
-    for (int i = count; i < count + TD_PAD; i++) nodes->group.tried[i] = count ? nodes->group.tried[0] : 0;
+    for (int i = 0; i < group->count; i++)
+        if (group->level[i] == level) group->tried[count++] = group->first[i];
+    for (int i = count; i < count + TD_PAD; i++) group->tried[i] = count ? group->tried[0] : 0;
     tides_status status = measure(nodes, engine, level, count, each, error);
-    nodes->group.open_count = nodes->group.halves = 0;
-    for (int i = 0, k = 0; i < nodes->group.count && status == TIDES_OK; i++) {
-        if (nodes->group.level[i] != level) continue;
-        const int from = nodes->group.first[i];
+    group->open_count = group->halves = 0;
+    for (int i = 0, k = 0; i < group->count && status == TIDES_OK; i++) {
+        if (group->level[i] != level) continue;
+        const int from = group->first[i];
         status = choose_level(renderer, nodes, i, k, error);
         const td_dynamic_object *object = moved_by(renderer, nodes, i);
-        if (status == TIDES_OK && each && nodes->group.level[i] > level && object && object->expensive)
+        if (status == TIDES_OK && each && group->level[i] > level && object && object->expensive)
             status = open_curves(nodes, i, k, from, count, nodes->pieces << (level - 1), error);
         k++;
     }
@@ -315,30 +330,29 @@ static tides_status try_level(const tides_renderer *renderer, td_point_nodes *no
 
 /* Curves of the group; paths. */
 static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
+    td_path_group *group = &nodes->group;
     const int moves = !td_point_is_instant(nodes);
     size_t curves = 0;
-    for (int i = 0; i < nodes->group.count; i++) curves += (size_t)nodes->pieces << nodes->group.level[i];
+    for (int i = 0; i < group->count; i++) curves += (size_t)nodes->pieces << group->level[i];
     if (curves + (size_t)nodes->curves > MOST_CURVES) return too_many(nodes, error);
-    tides_status status =
-        td_reserve((void **)&nodes->group.row, &nodes->group.row_capacity, 2 * curves, sizeof *nodes->group.row, error);
+    tides_status status = td_reserve((void **)&group->row, &group->row_capacity, 2 * curves, sizeof *group->row, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->group.length, &nodes->group.length_capacity, curves, sizeof *nodes->group.length,
-                            error);
+        status = td_reserve((void **)&group->length, &group->length_capacity, curves, sizeof *group->length, error);
     if (status != TIDES_OK) return status;
     int laid = 0;
-    for (int i = 0; i < nodes->group.count; i++) {
-        const int level = nodes->group.level[i], stride = !moves ? 0 : level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
-        nodes->group.own[i] = nodes->path[nodes->group.gaussians[i]] = (nodes->curves + laid) * TD_PATH_LEVELS + level;
+    for (int i = 0; i < group->count; i++) {
+        const int level = group->level[i], stride = !moves ? 0 : level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
+        group->own[i] = nodes->path[group->gaussians[i]] = (nodes->curves + laid) * TD_PATH_LEVELS + level;
         for (int k = 0; k < nodes->pieces << level; k++) {
             const double h = nodes->piece_length[k >> level];
-            nodes->group.row[2 * laid] = nodes->group.first[i] + stride * k;
-            nodes->group.row[2 * laid + 1] = nodes->group.first[i] + stride * (k + 1);
-            nodes->group.length[laid++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
+            group->row[2 * laid] = group->first[i] + stride * k;
+            group->row[2 * laid + 1] = group->first[i] + stride * (k + 1);
+            group->length[laid++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
         }
     }
-    nodes->group.curves = laid;
+    group->curves = laid;
     nodes->curves += laid;
-    nodes->made += nodes->group.count;
+    nodes->made += group->count;
     return TIDES_OK;
 }
 
@@ -435,15 +449,16 @@ tides_status td_point_nodes_next(tides_renderer *renderer, const tides_trajector
 }
 
 td_points_group td_point_nodes_group(const td_point_nodes *nodes) {
+    const td_path_group *group = &nodes->group;
     return (td_points_group){.exact = nodes->exact,
-                             .row_count = nodes->group.rows,
-                             .row = nodes->group.row,
-                             .lengths = nodes->group.length,
-                             .first = nodes->curves - nodes->group.curves,
-                             .curves = nodes->group.curves,
-                             .seen = nodes->group.gaussians,
-                             .path = nodes->group.own,
-                             .seen_count = nodes->group.count};
+                             .row_count = group->rows,
+                             .row = group->row,
+                             .lengths = group->length,
+                             .first = nodes->curves - group->curves,
+                             .curves = group->curves,
+                             .seen = group->gaussians,
+                             .path = group->own,
+                             .seen_count = group->count};
 }
 
 int td_point_nodes_expected(const td_point_nodes *nodes) {

@@ -85,26 +85,20 @@ static tides_status create(const tides_renderer *renderer, td_points_direct *dir
 /* Makes room for `more` Gaussians in a lot. */
 static tides_status reserve(td_points_direct *direct, int more, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
-    const size_t wanted = (size_t)nodes->group.count + (size_t)more;
+    td_path_group *group = &nodes->group;
+    const size_t wanted = (size_t)group->count + (size_t)more;
     size_t *capacity = direct->gaussian_capacity;
-    tides_status status =
-        td_reserve((void **)&nodes->group.gaussians, &capacity[0], wanted, sizeof *nodes->group.gaussians, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->group.first, &capacity[1], wanted, sizeof *nodes->group.first, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->group.level, &capacity[2], wanted, sizeof *nodes->group.level, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->group.open_at, &capacity[3], wanted, sizeof *nodes->group.open_at, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->group.own, &capacity[4], wanted, sizeof *nodes->group.own, error);
+    tides_status status = td_reserve((void **)&group->gaussians, &capacity[0], wanted, sizeof *group->gaussians, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&group->first, &capacity[1], wanted, sizeof *group->first, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&group->level, &capacity[2], wanted, sizeof *group->level, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&group->open_at, &capacity[3], wanted, sizeof *group->open_at, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&group->own, &capacity[4], wanted, sizeof *group->own, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&direct->sights, &capacity[5], 2 * wanted, sizeof *direct->sights, error);
     if (status == TIDES_OK)
-        status =
-            td_reserve((void **)&nodes->group.row, &nodes->group.row_capacity, 2 * wanted, sizeof *nodes->group.row, error);
+        status = td_reserve((void **)&group->row, &group->row_capacity, 2 * wanted, sizeof *group->row, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->group.length, &nodes->group.length_capacity, wanted, sizeof *nodes->group.length,
-                            error);
+        status = td_reserve((void **)&group->length, &group->length_capacity, wanted, sizeof *group->length, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&direct->numbers, &direct->number_capacity, wanted, sizeof *direct->numbers, error);
     return status;
@@ -120,6 +114,7 @@ static int touches(const float *box, const td_point *point) {
 static tides_status add_point(const tides_renderer *renderer, td_points_direct *direct, const td_point_span *span,
                               const td_point *point, int k, int *listed, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
+    td_path_group *group = &nodes->group;
     const int tile = point->y / TD_TILE * renderer->candidates.tiles_x + point->x / TD_TILE;
     const int first = span->first[tile], end = span->first[tile + 1], begun = *listed;
     tides_status status = reserve(direct, end - first, error);
@@ -127,22 +122,22 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
         status = td_reserve((void **)&direct->lists, &direct->list_capacity, (size_t)(*listed + end - first) + TD_PAD,
                             sizeof *direct->lists, error);
     for (int i = first; i < end && status == TIDES_OK; i++) {
-        const int gaussian = span->list[i], own = nodes->group.count;
+        const int gaussian = span->list[i], own = group->count;
         if (gaussian < 0 || !touches(span->boxes + 4 * (size_t)gaussian, point)) continue;
-        nodes->group.gaussians[own] = gaussian;
-        nodes->group.first[own] = nodes->group.row[2 * own] = nodes->group.row[2 * own + 1] = direct->numbers[own] = own;
-        nodes->group.level[own] = 0;
-        nodes->group.open_at[own] = -1;
-        nodes->group.own[own] = own * TD_PATH_LEVELS;
+        group->gaussians[own] = gaussian;
+        group->first[own] = group->row[2 * own] = group->row[2 * own + 1] = direct->numbers[own] = own;
+        group->level[own] = 0;
+        group->open_at[own] = -1;
+        group->own[own] = own * TD_PATH_LEVELS;
         direct->sights[2 * own] = TD_SIGHT_END * renderer->image.width; /* all: its list is this pixel's alone */
         direct->sights[2 * own + 1] = TD_SIGHT_END * renderer->image.height;
-        nodes->group.length[own] = TD_POINT_INSTANT;
+        group->length[own] = TD_POINT_INSTANT;
         direct->lists[(*listed)++] = own;
-        nodes->group.count++;
+        group->count++;
     }
     if (status != TIDES_OK) return status;
     while (*listed % TD_PAD) direct->lists[(*listed)++] = TD_NO_GAUSSIAN;
-    direct->end[k] = nodes->group.count;
+    direct->end[k] = group->count;
     direct->time[k] = point->time;
     direct->tiles[k] = (td_points_tile){point->x / TD_TILE * TD_TILE, point->y / TD_TILE * TD_TILE, begun, *listed - begun};
     direct->chunks[k] = (td_points_chunk){k, k, 1};
@@ -154,22 +149,23 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
 /* Gives a lot, whose rows are ready, to the engine as an interval. */
 static tides_status look(const tides_renderer *renderer, td_points_direct *direct, int points, int listed, tides_error *error) {
     const td_point_nodes *nodes = &direct->nodes;
-    const td_points_interval interval = {.gaussians = nodes->group.count,
-                                         .curves = nodes->group.count,
+    const td_path_group *group = &nodes->group;
+    const td_points_interval interval = {.gaussians = group->count,
+                                         .curves = group->count,
                                          .slices = {1, 1, 0, 1},
                                          .candidates = direct->lists,
                                          .candidate_count = listed,
                                          .tiles = direct->tiles,
                                          .tile_count = points};
     const td_points_group all = {.exact = nodes->exact,
-                                 .row_count = nodes->group.rows + 1,
-                                 .row = nodes->group.row,
-                                 .lengths = nodes->group.length,
-                                 .curves = nodes->group.count,
+                                 .row_count = group->rows + 1,
+                                 .row = group->row,
+                                 .lengths = group->length,
+                                 .curves = group->count,
                                  .seen = direct->numbers,
-                                 .path = nodes->group.own,
+                                 .path = group->own,
                                  .sights = direct->sights,
-                                 .seen_count = nodes->group.count};
+                                 .seen_count = group->count};
     const td_points_batch batch = {{direct->column[0], direct->column[1], direct->column[2], direct->column[3]},
                                    direct->piece,
                                    points,

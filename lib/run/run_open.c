@@ -1,5 +1,6 @@
 /* Opens the files that a run names: the scene with its moving objects, and the camera's path with its intrinsics; or frames.
  * It notes facts that may surprise the user. */
+#include "camera/td_lens_models.h"
 #include "camera/td_trajectory.h"
 #include "td_folder.h"
 #include "td_math.h"
@@ -163,20 +164,19 @@ static double given_or(double value, double otherwise) { return value > 0 || val
 
 /* Takes the run's lens if it names one, otherwise the path file's: coefficients belong to their lens model. */
 static tides_status merge_lens(const tides_run *run, const tides_path *file, tides_lens *merged, tides_error *error) {
+    char choices[TD_LENS_WORDS];
     if (strcmp(td_run_value(run, "camera.lens")->valuestring, "file") != 0) return TIDES_OK;
     if (file->distorted)
         return td_fail(error, TIDES_BAD_CONFIG,
                        "%s: the camera of %s bends lines as no lens here does, or differently from frame to frame; set "
-                       "camera.lens: "
-                       "none for the pinhole that agrees with it at its axis, or radtan or equidistant with coefficients",
-                       run->origin, td_run_file(run, "camera.file"));
+                       "camera.lens: none for the pinhole that agrees with it at its axis, or %s with coefficients",
+                       run->origin, td_run_file(run, "camera.file"), td_lens_choices(choices));
     const double given[] = {merged->k1, merged->k2, merged->k3, merged->k4, merged->p1, merged->p2};
     static const char *const names[] = {"k1", "k2", "k3", "k4", "p1", "p2"};
     for (int i = 0; i < 6; i++)
         if (given[i] < 0 || given[i] > 0)
-            return td_fail(error, TIDES_BAD_CONFIG,
-                           "%s: camera.%s is given without camera.lens; set that to radtan or equidistant", run->origin,
-                           names[i]);
+            return td_fail(error, TIDES_BAD_CONFIG, "%s: camera.%s is given without camera.lens; set that to %s", run->origin,
+                           names[i], td_lens_choices(choices));
     *merged = file->intrinsics.lens;
     return TIDES_OK;
 }

@@ -75,7 +75,7 @@ void td_sensor_keep(const td_sensor *s, size_t pixel, td_kept_pixel *kept) {
     }
 }
 
-void td_sensor_put_back(td_sensor *s, size_t pixel, const td_kept_pixel *kept) {
+void td_sensor_put_back(const td_sensor *s, size_t pixel, const td_kept_pixel *kept) {
     for (int i = 0; i < kept->words; i++) {
         const td_carried *row = &s->carried.row[i];
         if (row->type == TD_STATE_REAL)

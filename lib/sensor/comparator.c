@@ -182,7 +182,7 @@ static void set_visible(const tile_job *job, size_t j, td_pixel_step *pixel) {
 
 /* Computes the pixel's response behind the filters, and their state at the step's end. */
 static void filter(const tile_job *job, td_pixel_step *pixel) {
-    td_sensor *sensor = job->pixel.sensor;
+    const td_sensor *sensor = job->pixel.sensor;
     double state[TD_FRONTEND_STATE] = {0};
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) state[k] = sensor->filtered.state[k][pixel->i];
@@ -281,7 +281,7 @@ static void take_levels(tile_job *job, size_t first, size_t count) {
 
 /* Takes the noise of a pixel that needs nothing to the step's end. */
 static void pass_over(const tile_job *job, size_t j) {
-    td_sensor *sensor = job->pixel.sensor;
+    const td_sensor *sensor = job->pixel.sensor;
     if (!job->noise || !sensor->additive.on) return;
     sensor->segment.number[job->first + j] = job->noise->segment[j - job->begun];
     sensor->segment.value[job->first + j] = job->noise->value[j - job->begun];
@@ -390,8 +390,8 @@ static tides_status step_block(tile_job *job, size_t first, size_t count) {
     return TIDES_OK;
 }
 
-tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first, const td_seen *seen,
-                            td_work *work, tides_error *error) {
+tides_status td_sensor_step(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
+                            const td_seen *seen, td_work *work, tides_error *error) {
     const size_t before = work->events.count, pixels = (size_t)tile->count;
     noise_block noise;
     tile_job job = {.pixel = {.sensor = sensor, .step = step, .light = seen->light, .buffer = &work->events, .error = error},
@@ -450,7 +450,7 @@ static tides_status advance_ideal(td_pixel_job *pixel, const td_sensor_single *s
     return status;
 }
 
-tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_work *work, tides_error *error) {
+tides_status td_sensor_advance(const td_sensor *sensor, const td_sensor_single *single, td_work *work, tides_error *error) {
     td_sensor_counts counts;
     td_pixel_job job = {.sensor = sensor,
                         .step = single->step,

@@ -183,13 +183,13 @@ static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *s
 
 /* -- a tile with blocks -------------------------------------------------------------------------------------------------- */
 
-void td_sensor_begin_estimates(td_sensor *sensor, size_t first, int32_t count) {
+void td_sensor_begin_estimates(const td_sensor *sensor, size_t first, int32_t count) {
     for (size_t i = first; sensor->on && i < first + (size_t)count; i++) sensor->reach[i] = sensor->held_until[i] > -INFINITY;
 }
 
 /* 1 where the pixel may fire within the step, or may have fired earlier in the macro step, as far as is known. `low` and `high`
  * bound S_eff. */
-static int may_fire(td_sensor *sensor, size_t i, int cuts, double low, double high, double reference) {
+static int may_fire(const td_sensor *sensor, size_t i, int cuts, double low, double high, double reference) {
     double on = sensor->threshold_on[i], off = sensor->threshold_off[i];
     if (on == off && !td_sensor_holds(sensor)) return reaches_level(low, high, reference, on);
     int leaves = !(low > reference - off && high < reference + on);
@@ -204,7 +204,7 @@ static int may_be_worse(const td_estimated *step, const pixel_step *p, double sc
            (step->deviation && !(p->bump * scale <= worst->deviation)) || !(timed * step->h / moved <= worst->seconds);
 }
 
-static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
+static td_estimate estimate_blocks(const td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
     td_estimate worst = {0, 0, 0, 0, 0};
     double swing = (sensor->additive.on ? noise_swing * sensor->additive.sigma : 0) + (sensor->kick.on ? sensor->kick.most : 0);
     double nominal = td_sensor_least_threshold(&sensor->sensor);
@@ -271,7 +271,7 @@ static td_estimate estimate_filtered(const td_sensor *sensor, const td_estimated
     return worst;
 }
 
-td_estimate td_sensor_estimate(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
+td_estimate td_sensor_estimate(const td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
     if (sensor->frontend.on) return estimate_filtered(sensor, step, first, time);
     return sensor->on ? estimate_blocks(sensor, step, first, cuts, time) : estimate_ideal(sensor, step);
 }

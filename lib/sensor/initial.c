@@ -82,13 +82,13 @@ tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int
     return TIDES_OK;
 }
 
-void td_sensor_refer(td_sensor *sensor, size_t i, double L) {
+void td_sensor_refer(const td_sensor *sensor, size_t i, double L) {
     const double offset = sensor->first.draw ? td_sensor_initial(sensor, i, L).offset : 0;
     sensor->pixels.initial[i] = sensor->pixels.reference[i] = L - offset;
 }
 
 /* Starts the pixel's noise as a process that has gone on for ever in this light. */
-static void begin_noise(td_sensor *sensor, size_t i, double L) {
+static void begin_noise(const td_sensor *sensor, size_t i, double L) {
     const double light = isfinite(L) ? L : 0;
     sensor->segment.number[i] = 0;
     sensor->segment.value[i] = td_additive_noise_first(&sensor->additive, sensor->number[i], light);

@@ -146,7 +146,7 @@ static int cross(walk *w, double from, double until, double *at) {
 
 /* Stores the segment that contains the step's end as the pixel's state. */
 static void end_segments(walk *w) {
-    td_sensor *sensor = w->job->sensor;
+    const td_sensor *sensor = w->job->sensor;
     if (!sensor->additive.on) return;
     seek_segment(w, 1);
     sensor->segment.number[w->pixel->i] = (double)w->segment.k;
@@ -374,7 +374,7 @@ static tides_status catch_up(walk *w) {
 }
 
 tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
-    td_sensor *sensor = job->sensor;
+    const td_sensor *sensor = job->sensor;
     const td_pixels *pixels = &sensor->pixels;
     walk w = {.job = job, .pixel = pixel, .initial = pixels->initial[pixel->i]};
     w.reference = pixels->reference[pixel->i];

@@ -58,7 +58,7 @@ double td_sensor_worst_residual(const td_sensor *sensor, const double *L, const 
     return worst;
 }
 
-void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
+void td_sensor_set_wake(const td_sensor *sensor, size_t pixel) {
     double wake;
     td_shot_noise_next(&sensor->noise, pixel, &wake);
     int waits = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->held_until[pixel] > -INFINITY;
@@ -67,7 +67,7 @@ void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
 }
 
 /* A pixel that has never fired keeps the bits of its initial value, also of a NaN. */
-void td_sensor_resume(td_sensor *sensor) {
+void td_sensor_resume(const td_sensor *sensor) {
     const td_pixels *p = &sensor->pixels;
     for (size_t i = 0; i < sensor->count; i++) {
         int fired = p->count_on[i] || p->count_off[i];

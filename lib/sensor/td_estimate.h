@@ -43,8 +43,8 @@ typedef struct td_estimate {
  * Crossings. After the first, each takes a threshold's way of S, and the model's way is no longer than that along its control
  * values. So a way of n thresholds has at most n of them. Behind a filter, the response to light from before the step is left
  * out. */
-void td_sensor_begin_estimates(td_sensor *sensor, size_t first, int32_t count); /* before a tile's macro step */
-td_estimate td_sensor_estimate(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time);
+void td_sensor_begin_estimates(const td_sensor *sensor, size_t first, int32_t count); /* before a tile's macro step */
+td_estimate td_sensor_estimate(const td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time);
 
 /* 1 where estimates of other steps use the results of this step's, so that it must come before them. */
 enum { TD_FEW_CUTS = 2 };

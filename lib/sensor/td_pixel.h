@@ -9,7 +9,7 @@
 
 /* The arguments of a call that all its pixels share. */
 typedef struct td_pixel_job {
-    td_sensor *sensor;
+    const td_sensor *sensor;
     const td_step *step;
     double start;            /* of the step [ns since the run's start] */
     const td_signals *light; /* log-luminance, where the signals aren't; NULL: they are */

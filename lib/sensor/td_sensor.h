@@ -165,7 +165,7 @@ td_initial td_sensor_initial(const td_sensor *sensor, size_t pixel, double L);
 tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, tides_error *error);
 
 /* Sets the reference of a pixel that had log-luminance L and has done nothing yet, if td_sensor_shows_signal. */
-void td_sensor_refer(td_sensor *sensor, size_t pixel, double L);
+void td_sensor_refer(const td_sensor *sensor, size_t pixel, double L);
 
 /* Coverage of a tile's pixels at both ends of the step, in [0, 1]; read only where sensor->masks. */
 typedef struct td_coverage {
@@ -196,7 +196,7 @@ typedef struct td_seen {
  *
  * TIDES_OUT_OF_RANGE: a pixel would fire more than TD_EVENTS_PER_PIXEL_MAX events in the step. TIDES_NO_MEMORY. Then counts and
  * the events in the buffer are as before the call, and so are ideal pixels; the others are not. */
-TIDES_MUST_CHECK tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
+TIDES_MUST_CHECK tides_status td_sensor_step(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
                                              const td_seen *seen, td_work *work, tides_error *error);
 
 /* -- one pixel at a time --------------------------------------------------------------------------------------------------- */
@@ -242,7 +242,7 @@ typedef struct td_sensor_single {
     td_pieces *pieces;
     td_changes *changes;
 } td_sensor_single;
-TIDES_MUST_CHECK tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_work *work,
+TIDES_MUST_CHECK tides_status td_sensor_advance(const td_sensor *sensor, const td_sensor_single *single, td_work *work,
                                                 tides_error *error);
 
 /* All state that a pixel carries from one step to the next, to put it back: a word for each row of the list. */
@@ -251,7 +251,7 @@ typedef struct td_kept_pixel {
     int words;
 } td_kept_pixel;
 void td_sensor_keep(const td_sensor *sensor, size_t pixel, td_kept_pixel *kept);
-void td_sensor_put_back(td_sensor *sensor, size_t pixel, const td_kept_pixel *kept);
+void td_sensor_put_back(const td_sensor *sensor, size_t pixel, const td_kept_pixel *kept);
 
 /* A time in [ns] since the run's start. */
 static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double fraction) {
@@ -316,9 +316,9 @@ td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel);
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);
 
 /* Computes the rest of the state, after the carried state of pixels was set from outside. */
-void td_sensor_resume(td_sensor *sensor);
+void td_sensor_resume(const td_sensor *sensor);
 
 /* Sets the time of the pixel's next wake-up, after any of its parts changed. */
-void td_sensor_set_wake(td_sensor *sensor, size_t pixel);
+void td_sensor_set_wake(const td_sensor *sensor, size_t pixel);
 
 #endif

@@ -35,9 +35,9 @@ typedef struct td_sharing {
 TIDES_MUST_CHECK tides_status td_sharing_create(td_sharing *sharing, int threads, tides_error *error);
 void td_sharing_release(td_sharing *sharing);
 
-/* Works on units [first, end) of the shared work. A worker may change its portion, and the pixels, samples and steps of its
- * units. */
-typedef tides_status (*td_portion_worker)(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+/* Works on units [first, end) of the shared work. The simulator is const: settings, counts and lists of steps stay as they are.
+ * A worker changes its portion, and in arrays the pixels, samples and steps of its units. */
+typedef tides_status (*td_portion_worker)(const tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                                           tides_error *error);
 
 /* Tiles per portion at least, where tiles are compared. */

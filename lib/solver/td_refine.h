@@ -88,7 +88,7 @@ void td_refine_release(td_refine *refine);
 
 /* td_control_judge: how far a step with samples exceeds its limits, and so whether it is cut. td_control_steps then makes
  * refine->pending of the judged steps of refine->fresh that are cut, and sets their `open`. */
-void td_control_judge(tides_simulator *s, td_refine_step *step, double start, double stop);
+void td_control_judge(const tides_simulator *s, td_refine_step *step, double start, double stop);
 tides_status td_control_steps(tides_simulator *s, tides_error *error);
 
 /* 1 where the run ends with this step of the macro step. */

@@ -186,7 +186,8 @@ typedef struct td_compared {
     const double *const *begin, *const *end;
     const td_signals *light;
 } td_compared;
-tides_status td_compare_tile(tides_simulator *simulator, td_portion *portion, const td_compared *compared, tides_error *error);
+tides_status td_compare_tile(const tides_simulator *simulator, td_portion *portion, const td_compared *compared,
+                             tides_error *error);
 
 /* Runs the comparator over one step of the units in which nothing moves, for sensors that may fire at rest. */
 tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);

@@ -238,8 +238,8 @@ TIDES_MUST_CHECK tides_status td_solve_join_samples(tides_simulator *s, const td
 
 /* Runs a pixel from its first unsettled step to the first in which something must be looked up, and requests that. An ideal
  * pixel is run to its last step. Its steps are in `looked`. */
-TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, struct td_portion *portion, td_looked *looked, td_solving *pixel,
-                                           tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_run(const tides_simulator *s, struct td_portion *portion, td_looked *looked,
+                                           td_solving *pixel, tides_error *error);
 
 /* Trust in the models of pixels [first, first + count) of a unit, on a step of h seconds, before anything is looked up:
  * (count). */
@@ -264,7 +264,7 @@ double td_trusted_doubt(const td_trusted *model, int k, double u);
 int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *nodes, td_trust *trust);
 
 /* Makes the value at s a node, number `number` of solve->found. If s has a node already, nothing changes. */
-void td_solve_insert(td_solve *solve, td_looked *looked, int32_t number, double s, const td_point_value *value);
+void td_solve_insert(const td_solve *solve, td_looked *looked, int32_t number, double s, const td_point_value *value);
 
 /* Light that compositing leaves out of samples: image.smoothing.stop_change. Points in double precision don't leave it out. */
 #define TD_SOLVE_SAMPLES 1e-5

@@ -63,7 +63,7 @@ static inline const double *td_launch_planes(const td_launch *launch, size_t i) 
 
 /* Takes a rendered ask. `planes` are its tile's; td_unpack_tile extracts the unit's. Asks of one unit come in order. Other
  * threads may take asks of other units at the same time, so that a taker may change only data of the unit or the ask. */
-typedef void (*td_launch_taker)(struct tides_simulator *s, const td_ask *ask, const double *planes, const void *user);
+typedef void (*td_launch_taker)(const struct tides_simulator *s, const td_ask *ask, const double *planes, const void *user);
 
 /* Renders all asks, as many at a time as memory_mb allows (s->refine.batch), and calls `take` for each. */
 tides_status td_launch_take_all(struct tides_simulator *s, int side, int outputs, td_launch_taker take, const void *user,

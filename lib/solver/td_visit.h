@@ -12,7 +12,7 @@ typedef struct td_worth {
 
 /* A pixel in a step. */
 typedef struct td_visit {
-    tides_simulator *s;
+    const tides_simulator *s;
     td_portion *portion; /* gets the results */
     const td_solving *pixel;
     size_t at;      /* the pixel's number in the sensor */

@@ -65,7 +65,7 @@ static td_random_bits bits_of(const td_shot_noise *noise, int source, uint32_t p
     return td_random(noise->seed, pixel, drawn, purpose[source]);
 }
 
-static void draw_next(td_shot_noise *noise, int source, size_t i, uint32_t pixel) {
+static void draw_next(const td_shot_noise *noise, int source, size_t i, uint32_t pixel) {
     td_random_bits bits = bits_of(noise, source, pixel, ++noise->drawn[source][i]);
     double rate = noise->own[source] ? noise->own[source][i] : noise->rate[source];
     double wait = floor(td_random_exponential(&bits, 0) / rate + 0.5);
@@ -100,7 +100,7 @@ int td_shot_noise_next(const td_shot_noise *noise, size_t i, double *due) {
     return first;
 }
 
-int td_shot_noise_take(td_shot_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps) {
+int td_shot_noise_take(const td_shot_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps) {
     td_random_bits bits = bits_of(noise, source, pixel, noise->drawn[source][i]);
     draw_next(noise, source, i, pixel);
     return source == TD_NOISE_HOT || td_random_uniform(&bits, 1) < td_shot_noise_share(td_exp(L) - log_eps);

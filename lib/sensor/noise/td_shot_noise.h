@@ -46,7 +46,7 @@ int td_shot_noise_next(const td_shot_noise *noise, size_t i, double *due);
 
 /* Takes the next candidate of `source` and draws the one after it. Returns 1 where it is kept in a pixel with log-luminance
  * L. */
-int td_shot_noise_take(td_shot_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps);
+int td_shot_noise_take(const td_shot_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps);
 
 /* Share of shot candidates kept at luminance Y. */
 double td_shot_noise_share(double Y);

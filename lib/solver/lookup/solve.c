@@ -155,7 +155,7 @@ static tides_status find_active(const tides_simulator *s, td_solve_portion *solv
 
 /* Runs the pixel that was listed last, and drops it if it is settled. A pixel whose reference isn't known waits for its
  * reference. */
-static tides_status run_last(tides_simulator *s, td_portion *portion, tides_error *error) {
+static tides_status run_last(const tides_simulator *s, td_portion *portion, tides_error *error) {
     const td_solve *solve = &s->solve;
     td_solve_batch *batch = portion->solve.asks;
     td_solving *pixel = &batch->pixel[batch->pixels - 1];
@@ -169,7 +169,7 @@ static tides_status run_last(tides_simulator *s, td_portion *portion, tides_erro
 }
 
 /* The pixels of a unit that may do something. Each is listed and run at once, while its data are in the cache. */
-static tides_status begin_unit(tides_simulator *s, td_portion *portion, int t, tides_error *error) {
+static tides_status begin_unit(const tides_simulator *s, td_portion *portion, int t, tides_error *error) {
     const td_refine *r = &s->refine;
     uint8_t active[TD_TILE_PIXELS] = {0}, before[TD_TILE_PIXELS];
     int32_t first[TD_TILE_PIXELS];
@@ -195,7 +195,7 @@ static tides_status begin_unit(tides_simulator *s, td_portion *portion, int t, t
 
 /* -- batch after batch ---------------------------------------------------------------------------------------------------- */
 
-static tides_status begin_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+static tides_status begin_some(const tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                                tides_error *error) {
     const int *unit = user;
     tides_status status = TIDES_OK;

@@ -21,7 +21,7 @@ static void soon(const td_looked *looked) {
 
 /* Puts a value that was looked up at an end of a step in the sample's place. If it is the macro step's end, the next macro step
  * begins with this value. */
-static void take_end(tides_simulator *s, const td_asked *asked, const td_point_value *value) {
+static void take_end(const tides_simulator *s, const td_asked *asked, const td_point_value *value) {
     td_looked *looked = &s->done.solve.looked[asked->looked];
     const td_refine_step *step = &s->refine.step[looked->step];
     if (asked->s > 0) {
@@ -45,10 +45,10 @@ static int whole(const td_solve_batch *back, int k) {
 }
 
 /* Turns the values of some of the points into nodes. */
-static tides_status take_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+static tides_status take_some(const tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                               tides_error *error) {
     const td_solve_batch *back = user;
-    td_solve *solve = &s->solve;
+    const td_solve *solve = &s->solve;
     td_looked *looked = s->done.solve.looked;
     const int32_t number = (int32_t)(solve->found_count - back->points);
     (void)portion, (void)error;
@@ -79,7 +79,7 @@ typedef struct running {
     int waited;
 } running;
 
-static tides_status run_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+static tides_status run_some(const tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                              tides_error *error) {
     const running *all = user;
     td_looked *looked = s->done.solve.looked;

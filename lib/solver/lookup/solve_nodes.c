@@ -116,7 +116,7 @@ static void neighbours(const td_solve *solve, const td_looked *looked, double s,
     }
 }
 
-void td_solve_insert(td_solve *solve, td_looked *looked, int32_t number, double s, const td_point_value *value) {
+void td_solve_insert(const td_solve *solve, td_looked *looked, int32_t number, double s, const td_point_value *value) {
     const td_ends *ends = &looked->ends;
     int32_t before, after;
     neighbours(solve, looked, s, &before, &after);

@@ -282,7 +282,8 @@ static tides_status pass_step(td_visit *v, int *asked, tides_error *error) {
     return status != TIDES_OK ? status : td_work_join(&v->portion->work, &v->portion->solve.ahead, error);
 }
 
-tides_status td_solve_run(tides_simulator *s, td_portion *portion, td_looked *looked, td_solving *pixel, tides_error *error) {
+tides_status td_solve_run(const tides_simulator *s, td_portion *portion, td_looked *looked, td_solving *pixel,
+                          tides_error *error) {
     td_visit v; /* large: only members that are used are set */
     td_kept_pixel settled = {.words = 0};
     int32_t unsettled = pixel->end;

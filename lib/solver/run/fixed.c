@@ -36,7 +36,7 @@ typedef struct taken {
     const td_sample *sample;
 } taken;
 
-static tides_status take_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+static tides_status take_some(const tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                               tides_error *error) {
     const taken *to = user;
     const size_t before = (size_t)to->step * (size_t)s->moving.count;
@@ -86,7 +86,7 @@ void td_fixed_adapt(tides_simulator *s, const tides_render_stats *before) {
         s->batch.steps = 2 * s->batch.steps < s->batch.limit ? 2 * s->batch.steps : s->batch.limit;
 }
 
-static void store_first(tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
+static void store_first(const tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
     (void)user;
     store_tile(s, ask->unit, planes, &s->now);
 }

@@ -97,7 +97,7 @@ void td_readout_release(td_run_readout *readout) {
 static double share(double value, double full) { return fmin(value / full, 1); }
 
 /* Adds one of the simulator's tiles to the sums of the arbiter's tiles. */
-static void add_tile(tides_simulator *s, int t, int moves) {
+static void add_tile(const tides_simulator *s, int t, int moves) {
     const td_tile *tile = &s->layout.tile[t];
     const double threshold = 0.5 * (s->sensor.sensor.threshold_on + s->sensor.sensor.threshold_off);
     for (int32_t i = 0; i < tile->count; i++) {

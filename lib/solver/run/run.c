@@ -26,7 +26,7 @@
 /* -- one step of the grid -------------------------------------------------------------------------------------------------- */
 
 /* The comparator over a step of some of the tiles that move. */
-static tides_status compare_some(tides_simulator *s, td_portion *portion, int first, int end, const void *step,
+static tides_status compare_some(const tides_simulator *s, td_portion *portion, int first, int end, const void *step,
                                  tides_error *error) {
     tides_status status = TIDES_OK;
     for (int i = first; i < end && status == TIDES_OK; i++) {

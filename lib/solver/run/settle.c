@@ -17,7 +17,8 @@ static void note_step(const tides_simulator *s, td_step_counts *steps, const td_
     steps->worst_deviation = td_greater(steps->worst_deviation, step->deviation);
 }
 
-static tides_status compare_step(tides_simulator *s, td_portion *portion, const td_refine_step *refined, tides_error *error) {
+static tides_status compare_step(const tides_simulator *s, td_portion *portion, const td_refine_step *refined,
+                                 tides_error *error) {
     const td_refine *r = &s->refine;
     const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
     td_refine_planes(s, refined, begin_planes, end_planes);
@@ -32,7 +33,7 @@ static tides_status compare_step(tides_simulator *s, td_portion *portion, const 
 }
 
 /* The sample becomes the tile's state at the time reached. */
-static void reach(tides_simulator *s, int t, int32_t index, const td_sample *to) {
+static void reach(const tides_simulator *s, int t, int32_t index, const td_sample *to) {
     const double *reached = td_sample_at(&s->refine.samples, index);
     size_t at = s->layout.first_pixel[t], bytes = (size_t)s->layout.tile[t].count * sizeof *reached;
     for (int p = 0; p < s->given.sample_planes; p++) memcpy(to->plane[p] + at, reached + p * s->refine.samples.pixels, bytes);
@@ -50,7 +51,7 @@ static void pass_head(td_refine *r, int t) {
 }
 
 /* The accepted steps of a tile: compared here, unless look-ups have found their events already. */
-static tides_status settle_tile(tides_simulator *s, td_portion *portion, int t, tides_error *error) {
+static tides_status settle_tile(const tides_simulator *s, td_portion *portion, int t, tides_error *error) {
     const td_refine *r = &s->refine;
     for (int32_t i = r->head[t]; i >= 0 && !r->step[i].open; i = r->step[i].next) {
         const td_refine_step *step = &r->step[i];
@@ -62,7 +63,7 @@ static tides_status settle_tile(tides_simulator *s, td_portion *portion, int t, 
     return TIDES_OK;
 }
 
-static tides_status settle_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+static tides_status settle_some(const tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                                 tides_error *error) {
     tides_status status = TIDES_OK;
     (void)user;

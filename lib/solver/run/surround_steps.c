@@ -54,7 +54,7 @@ static void rearrange(const tides_simulator *s, int direction, double *in_image,
 }
 
 /* Stores S and the modes at the time reached. */
-static void note_reached(tides_simulator *s, const td_surround_sample *reached) {
+static void note_reached(const tides_simulator *s, const td_surround_sample *reached) {
     rearrange(s, TO_TILES, reached->S, s->surround.S);
     rearrange(s, TO_TILES, s->surround.surround.surround, s->surround.modes);
 }
@@ -106,7 +106,7 @@ typedef struct part_step {
     const int32_t *which;
 } part_step;
 
-static tides_status compare_some(tides_simulator *s, td_portion *portion, int first, int stop, const void *user,
+static tides_status compare_some(const tides_simulator *s, td_portion *portion, int first, int stop, const void *user,
                                  tides_error *error) {
     const part_step *at = user;
     tides_status status = TIDES_OK;

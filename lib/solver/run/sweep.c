@@ -16,7 +16,7 @@ static void list_moving(tides_simulator *s) {
 }
 
 /* Stores S_dot of a tile. S itself is the same on both sides of a knot. */
-static void store_rate(tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
+static void store_rate(const tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
     (void)user;
     double S[TD_TILE_PIXELS];
     td_unpack_tile(&s->layout.tile[ask->unit], planes, S, s->now.plane[TD_PLANE_S_DOT] + s->layout.first_pixel[ask->unit]);

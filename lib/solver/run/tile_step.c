@@ -25,7 +25,7 @@ static td_signals signals_of(const td_compared *at) {
     return (td_signals){at->begin[TD_PLANE_S], at->begin[TD_PLANE_S_DOT], at->end[TD_PLANE_S], at->end[TD_PLANE_S_DOT]};
 }
 
-tides_status td_compare_tile(tides_simulator *s, td_portion *portion, const td_compared *at, tides_error *error) {
+tides_status td_compare_tile(const tides_simulator *s, td_portion *portion, const td_compared *at, tides_error *error) {
     const uint64_t before = portion->work.counts.nonfinite;
     const td_signals signals = signals_of(at);
     td_seen seen = {.signals = &signals, .light = at->light};
@@ -49,7 +49,7 @@ static int moving_before(const td_moving *moving, int t) {
     return low;
 }
 
-static tides_status compare_some_still(tides_simulator *s, td_portion *portion, int first, int end, const void *step,
+static tides_status compare_some_still(const tides_simulator *s, td_portion *portion, int first, int end, const void *step,
                                        tides_error *error) {
     static const double no_rate[TD_TILE_PIXELS] = {0};
     int moved = moving_before(&s->moving, first);

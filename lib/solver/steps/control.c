@@ -51,7 +51,7 @@ static int is_rounding(const tides_simulator *s, const td_refine_step *step, dou
 }
 
 /* Estimates the error, and says how far it is above its limits. */
-static double error_excess(tides_simulator *s, td_refine_step *step, double start, double stop) {
+static double error_excess(const tides_simulator *s, td_refine_step *step, double start, double stop) {
     const td_refine *r = &s->refine;
     const double *begin = td_sample_at(&r->samples, step->begin), *end = td_sample_at(&r->samples, step->end);
     const td_signals signals = {begin, begin + r->samples.pixels, end, end + r->samples.pixels};
@@ -77,7 +77,7 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
 }
 
 /* Judges a step. A step that is too short to be cut is accepted whatever the measures say. */
-void td_control_judge(tides_simulator *s, td_refine_step *step, double start, double stop) {
+void td_control_judge(const tides_simulator *s, td_refine_step *step, double start, double stop) {
     const td_refine *r = &s->refine;
     double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
     int may_cut = td_refine_may_cut(r, step), controls = s->given.mode == TIDES_STEPPING_ERROR;

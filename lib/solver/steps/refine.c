@@ -90,7 +90,7 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
 }
 
 /* Notes how far the deviations of a cut have fallen since the cut before; sample `before` was that cut, -1 for none. */
-static void note_falls(td_refine *r, int32_t before, int32_t sample, int32_t count) {
+static void note_falls(const td_refine *r, int32_t before, int32_t sample, int32_t count) {
     const double *deviation = td_sample_deviation(&r->samples, sample);
     uint8_t *fall = td_sample_fall(&r->samples, sample);
     if (before < 0) {
@@ -124,13 +124,13 @@ static void begin_anew(td_refine_step *step) {
 }
 
 /* Keeps the deviations of the part without a swap: a sample where a swap begins or ends says nothing about that part. */
-static void keep_deviations(td_refine *r, int32_t before, int32_t sample, int32_t count) {
+static void keep_deviations(const td_refine *r, int32_t before, int32_t sample, int32_t count) {
     memcpy(td_sample_deviation(&r->samples, sample), td_sample_deviation(&r->samples, before), (size_t)count * sizeof(double));
     memset(td_sample_fall(&r->samples, sample), 0, (size_t)count); /* nor about how smooth it is */
 }
 
 /* Computes the deviations at a cut: how far the step's cubic is off its sample. */
-static void note_deviations(const tides_simulator *s, td_refine *r, double start, double stop, const td_refine_step *a,
+static void note_deviations(const tides_simulator *s, const td_refine *r, double start, double stop, const td_refine_step *a,
                             uint32_t at, int32_t sample) {
     const double *begin = td_sample_at(&r->samples, a->begin), *end = td_sample_at(&r->samples, a->end);
     const double *inside = td_sample_at(&r->samples, sample);
@@ -143,14 +143,14 @@ static void note_deviations(const tides_simulator *s, td_refine *r, double start
 }
 
 /* Copies a step's deviations to its parts, where the cut has the cubic's own values and no new sample. */
-static void hand_down(td_refine *r, int32_t before, int32_t sample, int32_t count) {
+static void hand_down(const td_refine *r, int32_t before, int32_t sample, int32_t count) {
     memcpy(td_sample_deviation(&r->samples, sample), td_sample_deviation(&r->samples, before), (size_t)count * sizeof(double));
     memcpy(td_sample_fall(&r->samples, sample), td_sample_fall(&r->samples, before), (size_t)count);
 }
 
 /* Cuts a step at the position `at`, where `sample` was rendered. The second part is the new step `right`. */
-static void cut(const tides_simulator *s, td_refine *r, double start, double stop, int32_t left, int32_t right, uint32_t at,
-                int32_t sample) {
+static void cut(const tides_simulator *s, const td_refine *r, double start, double stop, int32_t left, int32_t right,
+                uint32_t at, int32_t sample) {
     td_refine_step *a = &r->step[left], *b = &r->step[right];
     if (a->swap) {
         keep_deviations(r, a->probe, sample, s->layout.tile[a->tile].count);
@@ -187,8 +187,8 @@ static tides_status lay_parts(td_refine *r, tides_error *error) {
 }
 
 /* Cuts a pending step at its new sample. Parts of a step that follows its cubic keep its measures. */
-static void cut_pending(tides_simulator *s, size_t number, int32_t sample) {
-    td_refine *r = &s->refine;
+static void cut_pending(const tides_simulator *s, size_t number, int32_t sample) {
+    const td_refine *r = &s->refine;
     const int32_t left = r->pending[number], right = r->part[number];
     r->step[left].open = 0;
     const int as_before = follows(s, &r->step[left]);
@@ -201,8 +201,8 @@ static void cut_pending(tides_simulator *s, size_t number, int32_t sample) {
 /* -- samples --------------------------------------------------------------------------------------------------------------- */
 
 /* Copies one rendered unit to its sample's rows, and notes its risk. */
-static void store_sample(tides_simulator *s, const td_ask *ask, const double *planes) {
-    td_samples *samples = &s->refine.samples;
+static void store_sample(const tides_simulator *s, const td_ask *ask, const double *planes) {
+    const td_samples *samples = &s->refine.samples;
     const td_tile *unit = &s->layout.tile[ask->unit];
     double *sample = td_sample_at(samples, ask->sample);
     const size_t apart = (size_t)samples->pixels;
@@ -212,7 +212,7 @@ static void store_sample(tides_simulator *s, const td_ask *ask, const double *pl
 }
 
 /* Stores a sample and reads it at once: the samples of a level don't fit in the cache. */
-static void take_sample(tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
+static void take_sample(const tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
     const size_t number = (size_t)(ask - s->launch.ask), first_cut = *(const size_t *)user;
     store_sample(s, ask, planes);
     if (number >= first_cut) cut_pending(s, number - first_cut, ask->sample);

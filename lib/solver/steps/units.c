@@ -166,7 +166,7 @@ static size_t begins_unit(const td_launch *l, const taking *all, int k) {
     return i;
 }
 
-static tides_status take_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+static tides_status take_some(const tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                               tides_error *error) {
     const taking *all = user;
     const td_launch *l = &s->launch;

@@ -54,7 +54,7 @@ static int must_take(const tides_simulator *s, const td_refine_step *step, const
     return (!s->given.local && step->from == last->from) || td_sensor_estimates_first(&s->sensor, step->cuts);
 }
 
-static tides_status take_earliest(tides_simulator *s, td_refine *r, tides_error *error) {
+static tides_status take_earliest(const tides_simulator *s, td_refine *r, tides_error *error) {
     place *places = td_alloc(r->open_count, sizeof *places, error);
     if (!places) return TIDES_NO_MEMORY;
     uint32_t longest = 0;
