@@ -6,12 +6,13 @@
 #   wheel    `make wheel` by arm64's own compiler; pip installs it where there is python3 and pip alone, and README's example runs
 #   tests    unit, kernel and golden tests. Kernels' have no device here: their scalar halves run, the rest says skipped
 #   pocl     three of the runs on PoCL, in one thread
-# environment: ROOT for arm64's systems, made once (1.5 GB); CC the cross compiler; NATIVE this machine's tool; JOBS;
-#   LIMIT processor seconds of emulation for a program, which is late past them: not passed and not failed; TESTS, RUNS, POCL_RUNS
+# environment: ROOT for arm64's systems, made once (1.5 GB); CROSS the compiler (make's own CC is this machine's); NATIVE this
+#   machine's tool; JOBS; LIMIT processor seconds of emulation for a program of tests, which is late past them: it is named, and
+#   neither passed nor failed; TESTS, RUNS, POCL_RUNS
 set -u
-root=${ROOT:-$PWD/build/arm64} native=${NATIVE:-build/release/tides} limit=${LIMIT:-300} jobs=${JOBS:-2}
+root=${ROOT:-$PWD/build/arm64} native=${NATIVE:-build/release/tides} limit=${LIMIT:-60} jobs=${JOBS:-2}
 bare=$root.bare
-compiler=${CC:-aarch64-linux-gnu-gcc --sysroot=$root}
+compiler="${CROSS:-aarch64-linux-gnu-gcc} --sysroot=$root"
 multiarch=aarch64-linux-gnu config=arm
 out=build/$config
 passed=0 failed=0 late=
@@ -77,13 +78,21 @@ PKG_CONFIG_SYSROOT_DIR=$root PKG_CONFIG_LIBDIR=$root/usr/lib/$multiarch/pkgconfi
     make -s -j"$jobs" CONFIG=$config CC="$compiler" AR=$multiarch-ar WERROR=-Werror \
     LDFLAGS="-Wl,-rpath-link,$root/usr/lib/$multiarch:$root/lib/$multiarch" all "$out/share/.made" $programs >"$work/built" 2>&1 ||
     { tail -n 20 "$work/built"; echo "arm64: the build fails"; exit 1; }
-say built "$(readelf -h "$out/tides" | sed -n 's/ *Machine: *//p')"
+machine=$(readelf -h "$out/tides" | sed -n 's/ *Machine: *//p')
+[ "$machine" = AArch64 ] || { echo "the tool is $machine's, not AArch64's: CROSS is '$compiler'"; exit 1; }
+say built "$machine, $(echo "$programs" | wc -w) programs of tests"
 
 # -- hashes ------------------------------------------------------------------------------------------------------------
 folder=$root.runs # the scene and the list of runs are this machine's
 runs_of() { # a line for each: NAME SETTING...
     "${PYTHON:-python3}" -c 'import json, sys
 for run in json.load(open(sys.argv[1]))["runs"]: print(run["run"], run["settings"])' "$folder/determinism.json"
+}
+vectors() { # KIND COMMAND...: `tides devices` gives that kind's device NEON's vectors
+    local kind=$1 row
+    shift
+    row=$("$@" devices --device "$kind" | grep "^\* .* $kind ")
+    case $row in *", vectors of 128 bits (NEON)"*) pass "tides devices: ${row#* * }" ;; *) fail "tides devices names no NEON: $row" ;; esac
 }
 hash_of() { sha256sum "$1" 2>/dev/null | cut -c 1-16; }
 
@@ -112,6 +121,7 @@ made() {
 }
 hashes() {
     made
+    vectors reference "$out/tides"
     for name in ${RUNS-$(runs_of | cut -d' ' -f1)}; do compare "$name" reference-f32 "$out/tides"; done
 }
 
@@ -148,15 +158,15 @@ wheel() {
 }
 
 # -- tests -------------------------------------------------------------------------------------------------------------
-one() { # PROGRAM: a line 'WORD PROGRAM (seconds of the processor)'
+one() { # PROGRAM: a line 'WORD PROGRAM (seconds of the processor)'; one that hangs ends after ten times the limit, and fails (124)
     local name=${1#"$out"/tests/} said=$work/said.$BASHPID used code word reason
     TIMEFORMAT=%U
     # shellcheck disable=SC2030,SC3045
-    used=$( { time (ulimit -St "$limit"; "$1" >"$said" 2>&1 </dev/null); code=$?; } 2>&1; exit $code)
+    used=$( { time (ulimit -St "$limit"; timeout -k 5 $((10 * limit)) "$1" >"$said" 2>&1 </dev/null); code=$?; } 2>&1; exit $code)
     code=$?
     case $code in
         0 | 77) word=ok; grep -qE '^\[  PASSED  \] [1-9]' "$said" || word=skip ;;
-        137 | 152) word=late ;;
+        152) word=late ;;
         *) word=FAIL ;;
     esac
     reason=$(grep -m 1 -oE 'skipped: .*' "$said" | cut -c 1-80)
@@ -183,7 +193,7 @@ pocl() {
         'CPU variant' 0x0 'CPU part' 0xd08 'CPU revision' 3 >"$root/cpuinfo"
     mkdir -p "$root.cache"
     lent="POCL_CACHE_DIR=$root.cache POCL_MAX_PTHREAD_COUNT=1" # with two threads qemu 7.2 has died of a segmentation fault
-    within "$root" "$PWD" "$out/tides" devices
+    vectors cpu within "$root" "$PWD" "$out/tides"
     for name in ${POCL_RUNS-fixed default sensor}; do compare "$name" cpu within "$root" "$PWD" "$out/tides"; done
     rm -f "$root/cpuinfo"
     lent=
@@ -192,6 +202,6 @@ pocl() {
 for part in $parts; do
     case $part in hashes | wheel | tests | pocl) "$part" ;; *) fail "no part '$part'" ;; esac
 done
-[ -z "$late" ] || echo "too long under emulation ($limit s of the processor), not counted:$late"
+[ -z "$late" ] || echo "too long under emulation ($limit s of the processor), not counted: $(echo "$late" | wc -w):$late"
 echo "$passed passed, $failed failed"
 [ $failed = 0 ]

@@ -36,7 +36,7 @@ typedef struct tides_device_info {
     /* 0: fma() is slow, so products and sums are rounded separately, and events differ by some 20 ns from those of other
      * devices, which are all bit-identical; else 1 */
     int32_t fused;
-    int32_t reserved;
+    int32_t vector_bits;   /* width of the registers that numbers of kernels are in; the reference: of wide loops. 0: unknown */
     uint64_t memory_bytes; /* CL_DEVICE_GLOBAL_MEM_SIZE */
 } tides_device_info;
 

@@ -12,10 +12,26 @@
  * picks. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define TD_WIDE_CLONES 1
 #define TD_WIDE __attribute__((__target_clones__("avx512f", "avx2", "default")))
 #else
+#define TD_WIDE_CLONES 0
 #define TD_WIDE
 #endif
+
+/* Bits of the vectors that such loops have here: of AVX-512, AVX2, and SSE2 or NEON; those of a double elsewhere. */
+static inline int32_t td_wide_bits(void) {
+#if TD_WIDE_CLONES
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx512f")) return 512;
+    if (__builtin_cpu_supports("avx2")) return 256;
+#endif
+#if defined(__x86_64__) || defined(__aarch64__)
+    return 128;
+#else
+    return 64;
+#endif
+}
 
 /* For functions called in such loops: they must be inlined, however long, because a call stops vectorisation. */
 #if defined(__GNUC__)

@@ -5,8 +5,10 @@
 #include "td_forked.h"
 #include "td_near.h"
 #include "td_pool.h"
+#include "td_wide.h"
 
 #include <ctype.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,6 +47,12 @@ static int double_lanes_of(cl_device_id id) {
     return width >= 8 ? 8 : 4;
 }
 
+static int32_t vector_bits_of(cl_device_id id) {
+    cl_uint width = 0;
+    clGetDeviceInfo(id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT, sizeof width, &width, NULL);
+    return (int32_t)(width * sizeof(cl_float) * CHAR_BIT);
+}
+
 /* 1 if kernels may use fma(). Mesa inlines a software fma() of some hundred instructions at each call. On llvmpipe (Mesa
  * 22.3) kernels compiled for over three minutes without end, in 1.3 GB; with sixteen lanes for twenty minutes, in 7 GB.
  * Without fma() all kernels of a run take 20 to 40 s and 0.4 GB, and events are within 32 ns of the reference's. Other
@@ -57,7 +65,7 @@ static int32_t is_fused(cl_device_id id, const tides_device_info *info) {
 
 static void describe(cl_platform_id platform, cl_device_id id, int32_t index, tides_device_info *info) {
     memset(info, 0, sizeof *info);
-    char version[64] = "", driver[60] = "";
+    char version[256] = "", driver[60] = ""; /* PoCL's version has 64 characters with AVX-512 */
     cl_uint units = 0;
     cl_ulong memory = 0;
     info->kind = kind_of(id);
@@ -65,10 +73,11 @@ static void describe(cl_platform_id platform, cl_device_id id, int32_t index, ti
     clGetDeviceInfo(id, CL_DEVICE_NAME, sizeof info->name - 1, info->name, NULL);
     clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof info->platform - 1, info->platform, NULL);
     info->lanes = lanes_of(info);
+    info->vector_bits = vector_bits_of(id);
     info->fused = is_fused(id, info);
     clGetDeviceInfo(id, CL_DEVICE_VERSION, sizeof version - 1, version, NULL);
     clGetDeviceInfo(id, CL_DRIVER_VERSION, sizeof driver - 1, driver, NULL);
-    snprintf(info->driver, sizeof info->driver, "%.63s, driver %.54s", version, driver);
+    snprintf(info->driver, sizeof info->driver, "%.70s, driver %.47s", version, driver);
     clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
     clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory, NULL);
     info->compute_units = units > 0 ? (int32_t)units : 1; /* unknown, but at least one */
@@ -185,6 +194,7 @@ static void open_reference(tides_device *device, int single_precision) {
     device->info.kind = TIDES_DEVICE_REFERENCE;
     device->info.index = -1;
     device->info.lanes = 1;
+    device->info.vector_bits = td_wide_bits();
     device->info.fused = 1;
     device->info.compute_units = 1;
     snprintf(device->info.name, sizeof device->info.name, "%s", single_precision ? "reference-f32" : "reference");

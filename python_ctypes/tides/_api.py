@@ -1062,7 +1062,7 @@ class tides_device_info(Structure):
     /* 0: fma() is slow, so products and sums are rounded separately, and events differ by some 20 ns from those of other
     * devices, which are all bit-identical; else 1 */
     int32_t fused;
-    int32_t reserved;
+    int32_t vector_bits; /* width of the registers that numbers of kernels are in; the reference: of wide loops. 0: unknown */
     uint64_t memory_bytes; /* CL_DEVICE_GLOBAL_MEM_SIZE */
     """
 
@@ -1074,7 +1074,7 @@ class tides_device_info(Structure):
     compute_units: int
     lanes: int
     fused: int
-    reserved: int
+    vector_bits: int
     memory_bytes: int
 
     _fields_ = [
@@ -1086,7 +1086,7 @@ class tides_device_info(Structure):
         ("compute_units", c_int32),
         ("lanes", c_int32),
         ("fused", c_int32),
-        ("reserved", c_int32),
+        ("vector_bits", c_int32),
         ("memory_bytes", c_uint64),
     ]
 

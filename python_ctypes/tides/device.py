@@ -20,8 +20,8 @@ def _facts(info: _api.tides_device_info) -> Facts:
 
 
 def devices() -> list[Facts]:
-    """The OpenCL devices: kind ("cpu", "gpu", "other"), index, name, platform, driver, compute_units, lanes, fused (0: its
-    events are close to those of other devices, but not equal to the bit), memory_bytes."""
+    """The OpenCL devices: kind ("cpu", "gpu", "other"), index, name, platform, driver, compute_units, lanes, vector_bits,
+    fused (0: its events are close to those of other devices, but not equal to the bit), memory_bytes."""
     count = c_int32()
     call("tides_device_list", None, 0, byref(count))
     rows = (_api.tides_device_info * max(1, count.value))()

@@ -8,12 +8,14 @@
 
 #include "td_advice.h"
 #include "td_device.h"
+#include "td_wide.h"
 #include "tides/render.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
 
 #include <ctype.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -28,6 +30,29 @@ static int32_t list(tides_device_info *rows) {
     scene_expect_ok(tides_device_list(rows, ROWS, &count, &error), &error);
     assert_in_range(count, 0, ROWS);
     return count;
+}
+
+/* 1 if Linux says that the processor has `flag`. */
+static int has_flag(const char *flag) {
+    static char text[65536];
+    char word[32];
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    assert_int_equal(fclose(file), 0);
+    snprintf(word, sizeof word, " %s ", flag);
+    return strstr(text, word) != NULL;
+}
+
+/* Bits of the processor's widest vectors. */
+static int32_t processor_bits(void) {
+#if defined(__x86_64__)
+    return has_flag("avx512f") ? 512 : has_flag("avx2") ? 256 : 128;
+#elif defined(__aarch64__)
+    return has_flag("sve") ? 2048 : 128; /* NEON's; SVE's are up to 2048 */
+#else
+    return 64; /* a double's */
+#endif
 }
 
 /* The first device of the machine; skips the test where there's none. */
@@ -79,6 +104,10 @@ static void test_list_is_consistent(void **state) {
         assert_true(rows[i].compute_units > 0);
         assert_true(rows[i].fused || strcmp(rows[i].platform, "rusticl") == 0);
         assert_true(rows[i].memory_bytes > 0);
+        if (rows[i].kind != TIDES_DEVICE_CPU) continue;
+        const int32_t bits = rows[i].vector_bits; /* a driver may use narrower vectors than the processor has, and none wider */
+        assert_true(bits == 128 || bits == 256 || bits == 512);
+        assert_true(bits <= processor_bits());
     }
 }
 
@@ -116,6 +145,7 @@ static void test_references_need_no_opencl(void **state) {
         assert_int_equal(info.kind, TIDES_DEVICE_REFERENCE);
         assert_int_equal(info.index, -1);
         assert_int_equal(info.fused, 1);
+        assert_int_equal(info.vector_bits, TD_WIDE_CLONES || processor_bits() < 128 ? processor_bits() : 128);
         tides_device_close(device);
     }
 }
