@@ -247,12 +247,12 @@ static tides_status note_activated(td_gaussians *g, tides_error *error) {
     if (lie_within(g->opacity_logit, count, 0, 1))
         status =
             td_note(&g->notes, error,
-                    "all its opacities lie from 0 to 1, which is rare for logits: they are read as logits nevertheless, as "
+                    "its opacities all lie from 0 to 1, which is rare for logits: they are read as logits nevertheless, as "
                     "3DGS writes them");
     if (status == TIDES_OK && lie_within(g->log_scale, 3 * count, 0, 1))
         status =
             td_note(&g->notes, error,
-                    "all its scales lie from 0 to 1, which is rare for logarithms: they are read as logarithms nevertheless, "
+                    "its scales all lie from 0 to 1, which is rare for logarithms: they are read as logarithms nevertheless, "
                     "as 3DGS writes them");
     return status;
 }
