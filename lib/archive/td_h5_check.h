@@ -16,7 +16,7 @@ typedef struct td_h5_disk {
 /* Finds the superblock, and `base`. 0: there is none, or its addresses or lengths don't have 64 bits. */
 int td_h5_check_superblock(td_h5_disk *disk);
 
-/* `bytes` were read at `at` as a local heap or as a node of a B-tree. 0: damaged. */
+/* td_h5_check_heap checks bytes that were read as a local heap, td_h5_check_tree those of a node of a B-tree. 0: damaged. */
 int td_h5_check_heap(const td_h5_disk *disk, const unsigned char *bytes, size_t count);
 int td_h5_check_tree(const td_h5_disk *disk, const unsigned char *bytes, size_t count);
 /* Checks bytes that were read as an object header, or as a part of one. 0: damaged. */

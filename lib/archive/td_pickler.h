@@ -1,6 +1,6 @@
-/* Internal: writes plain values as a pickle: dicts, lists, text, numbers, and arrays of numbers. numpy stores its object
- * arrays so in .npy and .npz files. Put a container's contents between begin and end; in a dict each value follows its key.
- * Protocol 5 (Python 3.8 on): only its byte arrays give arrays that numpy can write to. */
+/* Internal: writes plain values as a pickle: dicts, lists, text, numbers, and arrays of numbers. In .npy and .npz files numpy
+ * stores an object array as a pickle. Put a container's contents between begin and end; in a dict each value follows its key.
+ * Protocol 5 (Python 3.8 on) is needed: arrays made of its byte arrays can be changed in numpy, others are read-only. */
 #ifndef TD_PICKLER_H
 #define TD_PICKLER_H
 

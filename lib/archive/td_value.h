@@ -45,7 +45,7 @@ typedef struct td_tensor {
 typedef struct td_value td_value;
 struct td_value {
     int kind;
-    int mark;     /* for the builder of the tree */
+    int mark;     /* used by td_tree_check alone */
     size_t count; /* text: bytes; list, tuple: items; dict: pairs */
     union {
         int64_t integer;  /* TD_VALUE_BOOL (0 or 1), TD_VALUE_INT */

@@ -24,8 +24,8 @@ static size_t find_end(const unsigned char *bytes, size_t size) {
     return size;
 }
 
-/* A 32-bit field of all ones means that its value is in ZIP64's extra field. That holds those of size, packed and offset that
- * are all ones, in this order. 0 if the extra field is missing. */
+/* A 32-bit field of all ones means that its value is in ZIP64's extra field. `wide` points to size, packed and offset; the
+ * extra field has a value, in this order, for each of them that is all ones. 0 if the extra field is missing. */
 static int widen(const unsigned char *extra, size_t bytes, uint64_t *const wide[3]) {
     if (*wide[0] != UINT32_MAX && *wide[1] != UINT32_MAX && *wide[2] != UINT32_MAX) return 1;
     for (size_t at = 0; bytes - at >= 4;) {

@@ -11,8 +11,8 @@ enum {
     SILENT = 6,   /* bins between the two leaps of one readout: in between the pixels are held */
     WIDER = 2     /* bins on either side that are marked, too: a burst's edges are lower than its top */
 };
-#define ABOVE 1.5  /* a burst's rate is above 1.5 times the usual rate, */
-#define SIGMAS 6.0 /* and above the usual rate by 6 times its Poisson scatter */
+#define ABOVE 1.5  /* a burst's rate is above this multiple of the usual rate */
+#define SIGMAS 6.0 /* a burst's rate is above the usual rate by this multiple of the usual rate's Poisson scatter */
 
 static double usual(const uint32_t *rate, size_t bins, size_t bin) {
     double around[2 * AROUND + 1];

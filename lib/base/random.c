@@ -138,7 +138,8 @@ static inline float short_sine_of(float v) {
     return x + x * (z * sum);
 }
 
-/* `normals`, with `turn` a word's signed share of a whole turn. */
+/* Two normal numbers from two random words (Box and Muller): the radius comes from `word`, and the angle is `turn`, as a signed
+ * number, over 2^32 [turns]. */
 static inline void short_normals(uint32_t word, uint32_t turn, float *cosine, float *sine) {
     const float radius = sqrtf(2 * short_exponential(word)), v = (float)(int32_t)turn * 0x1p-32f, beyond = fabsf(v) - 0.25f;
     *cosine = radius * short_sine_of(beyond);

@@ -19,7 +19,7 @@ enum {
     TD_RANDOM_NOISE = 7,
     TD_RANDOM_DROP = 8,
     TD_RANDOM_JITTER = 9,
-    TD_RANDOM_NOISE_BRIDGE = 10, /* the upper bits of the purpose hold the node of the bridge's tree */
+    TD_RANDOM_NOISE_BRIDGE = 10, /* noise within a step, halved as a tree; the purpose's upper bits are the number of a node */
     TD_RANDOM_FRAME_SHOT = 11,
     TD_RANDOM_FRAME_READ = 12,
     TD_RANDOM_IMU_NOISE = 13,
@@ -62,8 +62,9 @@ double td_random_uniform(const td_random_bits *bits, int half);
 /* Two independent standard normals (Box and Muller). */
 void td_random_normals(const td_random_bits *bits, double normal[2]);
 
-/* Likewise in single precision, of 32 bits each, from words 0 and 1, or 2 and 3: two normals, within 6.7; and an exponential,
- * at most 22.2. Uniform numbers near 1 are rounded to 24 bits; of these, both are off by 1e-6 at most. */
+/* Two normals, within +-6.7, and an exponential of mean 1, at most 22.2, in single precision. Each uniform number that they use
+ * has 32 bits; `half` 0 takes words 0 and 1, `half` 1 words 2 and 3. Uniform numbers near 1 are rounded to 24 bits, which
+ * changes a result by at most 1e-6. */
 void td_random_short_normals(const td_random_bits *bits, int half, float normal[2]);
 double td_random_short_exponential(const td_random_bits *bits, int half);
 

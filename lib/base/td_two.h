@@ -22,7 +22,7 @@ static inline td_two td_two_product(double a, double b) {
     return (td_two){product, ((high_a * high_b - product) + high_a * low_b + low_a * high_b) + low_a * low_b};
 }
 
-/* Sum and product of such numbers, with a relative error near 2^-100. */
+/* Sum and product of two td_two numbers, with a relative error near 2^-100. */
 static inline td_two td_two_add(td_two a, td_two b) {
     const td_two sum = td_two_sum(a.high, b.high);
     return td_two_sum(sum.high, sum.low + (a.low + b.low));

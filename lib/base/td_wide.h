@@ -50,7 +50,7 @@ static inline double td_whole(double x) {
  * takes as long as eight. */
 static inline int td_whole_vectors(int count) { return (int)(((unsigned)count + 7) & ~7U); }
 
-/* A whole number in [0, 2^52) as an integer, likewise. */
+/* Converts a whole number in [0, 2^52) to an integer by an addition, which vectorises everywhere. */
 static inline int64_t td_integer(double x) {
     const double shifted = x + 0x1p52, none = 0x1p52;
     int64_t bits, bits_of_none;

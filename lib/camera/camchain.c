@@ -1,6 +1,6 @@
 /* Reads Kalibr's camera chains: the part of YAML that PyYAML and OpenCV write for such a file. Mappings are two deep. Values
- * are words, numbers, lists in [] (which may continue on the next line) or of "- ", and rows of either. All else is refused.
- * Unknown keys are, too, because they might change the cameras.
+ * are words, numbers, lists of numbers, and lists of such lists. A list is in [], where it may continue on the next line, or
+ * has "- " before each item. All else is refused; so are unknown keys, because they might change the cameras.
  *
  *     cam1:
  *       camera_model: pinhole

@@ -14,13 +14,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Samples on either side of a segment whose range is used. The spline's own ringing beside a step falls by a factor of 3.7
- * per sample; beyond these samples it is 0.2 % of the step. */
+/* AROUND: samples on either side of a segment whose range is used. The spline's own ringing beside a step falls by a factor of
+ * 3.7 per sample; beyond these samples it is 0.2 % of the step. PROBES: parts of a segment at whose borders it is checked. */
 enum { AROUND = 4, PROBES = 16 };
-/* How far a segment may leave that range, in units of the range. Sines of more than two samples per period leave it by at
- * most 0.19. Noise leaves it by 0.25 at even times, and by 0.7 at intervals of 1 to 3 (200 samples, 300 draws). */
+/* A segment may leave the range of the samples around it by this multiple of the range. Sines of more than two samples per
+ * period leave it by at most 0.19. Noise leaves it by 0.25 at even times, and by 0.7 at intervals of 1 to 3 (200 samples, 300
+ * draws). */
 static const double most_beyond = 1.0;
-/* It must also leave it by this share of the range of all samples: less is ringing, and harmless. */
+/* A segment is calmed only if it leaves that range by more than this share of the range of all samples: less is ringing, and
+ * harmless. */
 static const double share_of_all = 0.01;
 
 /* Range of component k over samples [from, to). */

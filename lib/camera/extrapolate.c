@@ -50,7 +50,7 @@ static tides_pose_sample moved(const tides_pose_sample *sample, const motion *m,
     return made;
 }
 
-/* The number of samples, `step` apart, whose last is at least `gap` away. */
+/* The least number of samples, `step` apart, that reach over `gap`. */
 static size_t needed(double gap, double step) { return gap > 0 ? (size_t)ceil(gap / step) : 0; }
 
 static tides_status extend(const tides_trajectory *t, double start, double stop, tides_trajectory **extended,

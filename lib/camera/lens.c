@@ -11,10 +11,13 @@
 #include <math.h>
 #include <string.h>
 
+/* STEPS: steps of a search along a radius. MAX_PIXELS: most pixels of a side. GRID: parts of a side at whose borders the
+ * inversion is checked. */
 enum { STEPS = 1024, MAX_PIXELS = 16384, GRID = 32 };
 
 static const double right_angle = 1.57079632679489661923;
-/* The polynomial is used up to at most 1.25 times the corner's radius; the straight continuation has at least this slope. */
+/* The polynomial is used up to at most `beyond_corner` times the corner's radius. The straight continuation has at least the
+ * slope `least_slope`. */
 static const double beyond_corner = 1.25, least_slope = 0.05;
 /* Beyond this angle [rad] there is no room for a straight continuation. */
 static const double widest = 1.5;
@@ -26,7 +29,7 @@ static const double undone_px = 1e-6;
 
 /* -- the given numbers -------------------------------------------------------------------------------------------------- */
 
-/* A number of the camera and its allowed range, the same as of the run file's key. Within these ranges no product of the
+/* A number of the camera and its allowed range. The ranges are those of the run file's keys. Within them no product of the
  * numbers overflows single precision. */
 typedef struct ranged {
     const char *name;

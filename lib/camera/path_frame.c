@@ -1,7 +1,6 @@
-/* Applies nerfstudio's dataparser_transforms.json to a path: x' = scale (R x + t). It maps the data's frame, that of
- * transforms.json and COLMAP's files, to the trainer's, in which ns-export writes splats. Its transform includes what
- * ns-process-data did before. The poses in transforms.json already have that (applied_transform, applied_scale), so it is
- * divided out. */
+/* Applies nerfstudio's dataparser_transforms.json to a path: x' = scale (R x + t). This transform maps COLMAP's frame to the
+ * trainer's, in which ns-export writes splats. It includes an earlier transform, which ns-process-data has already applied to
+ * the poses in transforms.json (its keys applied_transform, applied_scale). For such poses the earlier one is divided out. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"

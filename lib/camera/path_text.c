@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Files write unit quaternions with at least four decimals. If the length is off by more, the columns have another meaning. */
+/* Largest deviation of a quaternion's length from 1. Files write unit quaternions with at least four decimals: if the length is
+ * off by more than this, the columns have another meaning. */
 #define TD_QUATERNION_TOLERANCE 0.05
 
 const char *td_text_skip(const char *c) { return c + strspn(c, " \t\r"); }

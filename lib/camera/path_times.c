@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Larger times can't be in seconds (year 5138). Intervals between poses lie between the next two. */
-#define TD_LARGEST_TIME 1e11
+/* Times and steps from pose to pose that are plausible. */
+#define TD_LARGEST_TIME 1e11  /* [s] counted from 1970, the year 5138 */
 #define TD_SHORTEST_STEP 2e-4 /* [s] 5 kHz */
 #define TD_LONGEST_STEP 100.0 /* [s] */
 
@@ -68,8 +68,8 @@ static int is_plausible(const numbers *n, int digits) {
     return last < TD_LARGEST_TIME && (n->step <= 0 || (step >= TD_SHORTEST_STEP && step <= TD_LONGEST_STEP));
 }
 
-/* 1 if they are plausible in the format's own unit. They aren't if they come faster than 1 kHz in it, and a date after 1970
- * in the unit that fits better. */
+/* 1 if the numbers are plausible times in the format's own unit. They aren't if poses then came faster than 1 kHz, while in
+ * another unit the times would be dates after 1970. */
 static int is_usual(const numbers *n, int usual) {
     const int likely = td_likely_digits(n->last, n->step);
     if (!is_plausible(n, usual)) return 0;
@@ -81,7 +81,7 @@ static tides_status guess(td_path_reader *reader, int usual, int *digits) {
     numbers n;
     tides_status status = look(reader, &n);
     if (status != TIDES_OK) return status;
-    const int recent = n.last < 1e8, few = reader->count < 3; /* a clock that doesn't count from 1970 */
+    const int recent = n.last < 1e8, few = reader->count < 3; /* recent: as seconds, these don't count from 1970 */
     *digits = usual;
     if (!n.whole && is_plausible(&n, 9)) {
         *digits = 9;

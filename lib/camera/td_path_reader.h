@@ -22,7 +22,7 @@ typedef struct td_path_sample {
 /* The camera of one pose. */
 typedef struct td_path_view {
     tides_intrinsics intrinsics;
-    double field_of_view_x;
+    double field_of_view_x; /* [rad] */
     int32_t distorted;
 } td_path_view;
 
@@ -154,7 +154,7 @@ int td_text_ends(const char *c);         /* 1 if the rest of the line is empty *
  * 0.7071 would be a valid number, and eight columns of seventeen a valid pose. */
 typedef struct td_text_lines {
     size_t count;
-    int columns, decimals; /* of the first line: its commas, and decimals of its last number */
+    int columns, decimals; /* of the first line: 1 + its commas, and decimals of its last number */
     int alike;             /* 1: all lines so far are equal in these */
 } td_text_lines;
 

@@ -10,8 +10,8 @@
 TIDES_MUST_CHECK tides_status td_trajectory_at(const tides_trajectory *trajectory, double epoch, double offset,
                                                tides_pose *pose, tides_error *error);
 
-/* The last sample at or before `offset` seconds after `epoch`, without the path's very last: the curve's segment there begins
- * at it. 0 for a path of one sample. */
+/* The index of the sample at which the curve's segment for the time `offset` seconds after `epoch` begins. 0 for a path of one
+ * sample. */
 size_t td_trajectory_find(const tides_trajectory *trajectory, double epoch, double offset);
 
 /* TIDES_UNSUPPORTED, naming the sample, if the path is only C1 somewhere within (start, stop) [s]. */

@@ -66,7 +66,8 @@ static tides_status check_turns(const tides_trajectory *t, size_t from, size_t c
     return status;
 }
 
-/* Without a rate of its own, the first sample may have one from the second: that goes with the second sample. */
+/* If the first sample has no rate of its own, its knot has one that comes from the second sample. When the second sample is
+ * removed, so is this rate. */
 void td_trajectory_take_back(tides_trajectory *t, size_t count) {
     t->count = t->open.count = count;
     if (count == 1 && !t->samples[0].has_rates) memset(t->open.knot[0].rate, 0, sizeof t->open.knot[0].rate);

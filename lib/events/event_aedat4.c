@@ -95,7 +95,7 @@ static tides_status bad_packet(const td_event_stream *stream, const char *what, 
                    (unsigned long long)stream->input.at, what);
 }
 
-/* Reads a packet's bytes and unpacks them if they are compressed. */
+/* Unpacks the packet whose `packed` bytes are in state->packed, if packets are compressed. `*payload`: its bytes. */
 static tides_status unpack(td_event_stream *stream, size_t packed, td_flat *payload, tides_error *error) {
     aedat4_state *state = stream->state;
     *payload = (td_flat){state->packed, packed};

@@ -9,12 +9,12 @@
 #include <string.h>
 
 enum {
-    PACKET_EVENTS = 4096, /* as recorders do: 64 kB */
-    PACKET_HEAD = 8,      /* stream, bytes */
-    BUFFER_HEAD = 32,     /* bytes of a packet's flatbuffer before the first event */
-    HEADER_FIXED = 56,    /* bytes of the file's flatbuffer before the description */
-    POSITION_AT = TD_AEDAT4_MAGIC_BYTES + 36,
-    ENTRY_STEP = 48 /* distance of entries in the table of packets: 44 bytes, aligned */
+    PACKET_EVENTS = 4096,                     /* as recorders do: 64 kB */
+    PACKET_HEAD = 8,                          /* stream, bytes */
+    BUFFER_HEAD = 32,                         /* bytes of a packet's flatbuffer before the first event */
+    HEADER_FIXED = 56,                        /* bytes of the file's flatbuffer before the description */
+    POSITION_AT = TD_AEDAT4_MAGIC_BYTES + 36, /* byte of the file where the position of the table of packets is written */
+    ENTRY_STEP = 48                           /* distance of entries in the table of packets: 44 bytes, aligned */
 };
 
 typedef struct packet_entry {
@@ -140,8 +140,8 @@ static void put_entry(td_event_sink *sink, const packet_entry *e, uint32_t to_vi
     td_sink_bytes(sink, table, bytes);
 }
 
-/* Writes the table of packets: head, vector of offsets, a virtual table shared by all entries, and the entries. Each entry's
- * 64-bit fields are aligned. */
+/* Writes the table of packets: head, vector of offsets, a virtual table shared by all entries, and the entries. `root` and
+ * `entry` are virtual tables: two sizes, then the offsets of the fields. Each entry's 64-bit fields are aligned. */
 static void put_table(td_event_sink *sink, const aedat4_writer *w) {
     static const uint16_t root[] = {6, 8, 4, 0}, entry[] = {14, 44, 4, 12, 20, 28, 36};
     size_t shared = 32 + 4 * w->count, first = (shared + 14 + 3) / 8 * 8 + 4;

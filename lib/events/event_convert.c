@@ -23,8 +23,8 @@ typedef struct converter {
     tides_filter *filter; /* NULL: none */
     tides_event *events;  /* room for 2 WINDOW; when it is full it is sorted, and the first half is written */
     size_t count;
-    uint64_t sorted;             /* events already sorted, which have passed the filter; */
-    int64_t sorted_ns;           /* time of the last of them */
+    uint64_t sorted;             /* events that were sorted, filtered and taken out of `events` */
+    int64_t sorted_ns;           /* time of the last one taken out */
     int32_t width, height;       /* of the sensor that is read [px] */
     int64_t before, first, last; /* [ns] time of the last event read; earliest and latest of all */
     int32_t started;             /* an event was read */
@@ -105,8 +105,8 @@ static tides_status take(converter *c, const tides_event *events, size_t count, 
     return TIDES_OK;
 }
 
-/* Fails if the requested span of time doesn't touch the recording: then it was meant on another clock, and an empty output
- * would hide that. */
+/* Fails if the requested span of time doesn't touch the recording. Such a span is meant on another clock, and an empty output
+ * would hide the mistake. */
 static tides_status check_stretch(const converter *c, tides_error *error) {
     const tides_event_conversion *w = &c->what;
     tides_event_facts facts;

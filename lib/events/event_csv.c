@@ -17,7 +17,7 @@ static int detect_openeb(const td_event_probe *probe) {
     return kind == TD_TEXT_GEOMETRY || kind == TD_TEXT_COMMAS;
 }
 
-/* Opens a file. `digits` is the unit of a header without one, if the format was named. */
+/* Opens a file. If the caller names the format, a header that gives no unit means times in units of 10^digits ns. */
 static tides_status open_with(td_event_stream *stream, int digits, tides_error *error) {
     const td_event_rows by_header = {.meaning.digits = stream->reading.format ? digits : -1};
     return td_event_rows_open(stream, &by_header, error);

@@ -1,6 +1,6 @@
 /* Event Stream 2.0 of kind DVS (.es): "Event Stream", version 2.0.0, kind 1, width and height as 16 bits. An event is a byte
- * dt << 1 | polarity with dt below 127 us, then x and y as 16 bits. A byte 0xff before it adds 127 us to dt. y counts from
- * the bottom. Times are microseconds of any size. */
+ * dt << 1 | polarity with dt below 127 us, then x and y as 16 bits. A byte 0xff before it adds 127 us to dt. A byte 0xfe, a
+ * reset, is skipped. y counts from the bottom. Times are microseconds of any size. */
 #include "td_event_format.h"
 
 #include "td_base.h"

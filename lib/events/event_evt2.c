@@ -12,7 +12,7 @@
  * that, a new turn has begun. In 4.0 a word before the first TIME_HIGH has no time and is skipped, as in Prophesee's reader.
  *
  * TIDES writes one event per word. Masks would save bytes where a whole row fires at once. But then the bytes would depend on
- * the portions in which events are appended. In 2.1 x is a multiple of 32, as from sensors. */
+ * how many events each call appends. In 2.1 x is a multiple of 32, as from sensors. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -26,11 +26,11 @@ enum { EVT4_OFF = 0xA, EVT4_ON, EVT4_MASK_OFF, EVT4_MASK_ON, EVT4_TIME_HIGH };
 #define HIGH_VALUES (INT64_C(1) << 28)
 
 typedef struct clock_state {
-    int64_t high;    /* of the last TIME_HIGH, with turns [64 us] */
-    int32_t started; /* 4.0: a TIME_HIGH was read */
-    int32_t swapped; /* 2.1 with the 32-bit halves of each word exchanged */
-    int32_t wide;    /* for writing: a mask comes with each word; the format's type codes */
-    uint32_t type_high, type_off;
+    int64_t high;                 /* of the last TIME_HIGH, with turns [64 us] */
+    int32_t started;              /* 4.0: a TIME_HIGH was read */
+    int32_t swapped;              /* 2.1 with the 32-bit halves of each word exchanged */
+    int32_t wide;                 /* 1: a mask is written with each word (2.1) */
+    uint32_t type_high, type_off; /* type codes to write: of TIME_HIGH, and of an OFF event */
 } clock_state;
 
 static int is_evt(const td_event_probe *probe, const char *evt, const char *format) {
@@ -114,7 +114,8 @@ static tides_status read_evt21(td_event_stream *stream, tides_event *events, siz
     return TIDES_OK;
 }
 
-/* Reads the word at the input's data and its mask, if it has one. `bytes`: what they take. 0 if the file ends first. */
+/* Reads the word at the input's data and its mask; a word without one gets mask 1. `*bytes`: the bytes of both. 0 if the file
+ * ends first. */
 static int take_evt4(const td_event_input *input, uint32_t *word, uint32_t *mask, size_t *bytes) {
     *word = input->ready < 4 ? 0 : td_le32(input->data);
     const int masked = *word >> 28 == EVT4_MASK_OFF || *word >> 28 == EVT4_MASK_ON;

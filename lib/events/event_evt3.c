@@ -27,7 +27,7 @@ enum {
 };
 
 typedef struct evt3_state {
-    int64_t high; /* with turns [4096 us]; -1 before the first */
+    int64_t high; /* the last high part, with turns [4096 us]; -1 before the first */
     int64_t time; /* [us] */
     uint32_t y, base;
     int8_t polarity; /* of vectors */

@@ -9,8 +9,9 @@
  *   BS-ERGB   SEQ/events/%06d.npz, SEQ/images/%06d.png
  *   rpg_vid2e DIR/%010d.npz
  *
- * The user names the folder of the sequence or of the event files. Numbered files are read one after the other. Fine
- * coordinates are rounded to the nearest pixel and clipped to the image, as ERGB's loaders do. */
+ * The user names the folder of the sequence or of the event files. Numbered files are read one after the other. Coordinates
+ * of HS-ERGB and BS-ERGB are fine, in 1/32 px. They are rounded to the nearest pixel and clipped to the image, as in the
+ * loaders of these data sets. */
 #include "td_event_format.h"
 
 #include "td_event_h5_source.h"

@@ -149,10 +149,11 @@ static const char *seconds(int64_t ns, char text[40]) {
     return text;
 }
 
-/* [ns] A start that is earlier than the recording by more than this, and by more than its length, is on another clock. */
+/* [ns] A start that precedes the recording by more than this, and by more than the recording's length, is on another clock. */
 static const int64_t least_lead = 1000000000;
 
-/* 1 if `start` is earlier by that much. Times are subtracted as unsigned numbers, so that nothing overflows. */
+/* 1 if `start_ns` precedes the recording by more than least_lead and its length. INT64_MIN means that no start is requested.
+ * Times are subtracted as unsigned numbers, so that nothing overflows. */
 static int leads(int64_t first_ns, int64_t end_ns, int64_t start_ns) {
     const uint64_t lead = (uint64_t)first_ns - (uint64_t)start_ns, length = (uint64_t)end_ns - (uint64_t)first_ns;
     return start_ns != INT64_MIN && start_ns < first_ns && lead > length && lead > (uint64_t)least_lead;
@@ -164,7 +165,7 @@ tides_status tides_event_stretch_check(const char *file, int64_t first_ns, int64
     const int late = start_ns >= end_ns, early = stop_ns <= first_ns;
     if (first_ns >= end_ns || (!late && !early && !leads(first_ns, end_ns, start_ns))) return TIDES_OK;
     return td_fail(error, TIDES_BAD_ARGUMENT,
-                   "%s: lasts from %s to %s s, but what was asked for %s at %s s: give times within that%s",
+                   "%s: lasts from %s to %s s, but the requested span %s at %s s: give times within the recording%s",
                    file ? file : "the recording", seconds(first_ns, first), seconds(end_ns, end), early ? "ends" : "begins",
                    seconds(early ? stop_ns : start_ns, asked),
                    rebased ? "" : ", or count from the recording's zero (--rebase, rebase)");

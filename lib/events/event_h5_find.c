@@ -61,7 +61,8 @@ static void add_group(search *s, const char *group, const char *names) {
     s->count++;
 }
 
-/* 1 if a name can stand in such a row. "t_ns" is left out if there is "t": it is TIDES's own exact time. */
+/* 1 if a dataset's name can be appended to `names`, a list with commas. "t_ns" is left out where "t" exists: in TIDES's files
+ * it is the same time, exact. */
 static int fits_list(hid_t group, const char *name, const char *names) {
     if (strpbrk(name, ",;\t\" ") || (strcmp(name, "t_ns") == 0 && H5Lexists(group, "t", H5P_DEFAULT) > 0)) return 0;
     return strlen(names) + strlen(name) + 2 < NAMES;

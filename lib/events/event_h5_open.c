@@ -23,8 +23,8 @@ enum {
     CACHE_SLOTS = 7 /* chunks of a dataset that HDF5 caches: a prime, for its hash */
 };
 
-/* The DSEC layout comes twice in the table. TIDES's files also have RVT's size of the sensor, but RVT's own have no
- * t_offset. */
+/* The DSEC layout comes twice in the table, before and after RVT's. TIDES's files have DSEC's t_offset and also RVT's
+ * /events/height, and are DSEC's. RVT's own files have no t_offset. */
 #define DSEC_ROWS {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0
 
 static const layout layouts[] = {

@@ -58,7 +58,7 @@ static tides_status take_time(const td_event_source *source, uint64_t row, int64
     const td_h5_column *c = &source->columns[TD_H5_T];
     tides_status status = take_value(source, TD_H5_T, row, stored, ns, error);
     if (status != TIDES_OK || source->nanoseconds || c->real) return status;
-    /* for each term, so that neither their sum nor the product overflows */
+    /* the limit holds for the time and for the offset, so that neither their sum nor its product with the unit overflows */
     const int64_t unit = unit_of(source), limit = INT64_MAX / (2 * unit);
     if (stored > limit || stored < -limit || source->offset > limit || source->offset < -limit)
         return bad_row(source, c, row, stored, "a time that, with t_offset, fits 64-bit nanoseconds", error);

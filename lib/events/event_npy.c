@@ -1,9 +1,9 @@
 /* Reads numpy's files. A .npy has one structured array (tonic's dtype, Metavision's, or fields of other usual names) or a table
  * of four columns. A .npz has one such array, or one array per column:
- *   keys t, x, y, p                t in nanoseconds (rpg_vid2e, TIDES), unless a pixel then had hundreds of events a second:
- *                                  microseconds
+ *   keys t, x, y, p                t in nanoseconds (rpg_vid2e, TIDES); in microseconds if nanoseconds would mean hundreds of
+ *                                  events per pixel and second
  *   with coordinates above 8191    HS-ERGB: coordinates are 1/32 px, t in microseconds
- *   x, y, timestamp, polarity,     BS-ERGB: likewise; coordinates left of or above the image wrap around 65536
+ *   x, y, timestamp, polarity,     BS-ERGB: the units of HS-ERGB; coordinates left of or above the image wrap around 65536
  *   coordinates above 8191
  * HS-ERGB files with all events below 8192 / 32 px look like the first kind: the format name "ergb" settles it. */
 #include "archive/td_npy.h"
@@ -216,8 +216,8 @@ tides_status td_event_npz_is_fine(const char *path, int *fine, tides_error *erro
 
 /* ---- the unit of times ---- */
 
-/* 1 if times are implausible as nanoseconds. Whole numbers called t are nanoseconds in rpg_vid2e's files and ours, but
- * microseconds in others'. Taken for nanoseconds, those would give a thousand times the rate of events. */
+/* 1 if times are implausible as nanoseconds. Whole numbers called t are nanoseconds in files of rpg_vid2e and TIDES, but
+ * microseconds in other tools' files. Microseconds read as nanoseconds give a thousand times the rate of events. */
 static int busy_as_nanoseconds(const npy_state *state) {
     double first = INFINITY, last = -INFINITY, right = 1, bottom = 1;
     for (size_t i = 0; i < state->count; i++) {

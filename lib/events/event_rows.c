@@ -47,7 +47,7 @@ static int take_word(const char *word, int64_t *polarity) {
     return 0;
 }
 
-/* Reads a number. Decimals count as far as 64 bits hold them: nine for seconds. */
+/* Reads a number with nine decimals; with three or none where the number in that unit doesn't fit 64 bits. */
 int td_event_value(const char *word, double *value, int *decimals) {
     static const struct {
         int digits;

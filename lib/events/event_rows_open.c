@@ -62,7 +62,8 @@ static int take_sample(scan s, char separator, td_table_column facts[TD_TABLE_CO
 
 /* ---- kind of file ---- */
 
-/* Rows of four numbers are taken for events; rows with more numbers if their values fit no other meaning. */
+/* The kind of a text whose rows are `columns` numbers each. Rows of four numbers count as events; rows of more only if their
+ * values show which four are t, x, y and p. */
 static int rows_kind(scan s, char separator, int columns) {
     td_table_column facts[TD_TABLE_COLUMNS_MAX];
     td_table_meaning meaning;
@@ -253,7 +254,8 @@ static tides_status find_columns(td_event_stream *stream, td_event_rows *rows, c
     return TIDES_OK;
 }
 
-/* 1 for faery's header, which has sizes, or Prophesee's, which has a geometry: their whole numbers are microseconds. */
+/* 1 if whole numbers are microseconds by definition: in faery's dialect, whose header gives the sensor's size (x@WIDTH), and in
+ * Prophesee's, whose first line is the geometry. */
 static int is_dialect(const td_event_rows *rows, const front *f) {
     if (!f->has_names) return rows->by_order;
     return f->named.column[rows->meaning.column[TD_ROW_X]].size > 0;

@@ -193,9 +193,9 @@ static void release_space(hid_t file) {
     if (descriptor >= 0 && H5Fget_filesize(file, &size) >= 0 && ftruncate(descriptor, (off_t)size) != 0) return;
 }
 
-/* Space that `events` events and `entries` index entries may need: the raw sizes, plus 5 bytes per 16 kB from deflate; 1 % of
- * the zeros that fill the last chunk, as these are deflated; and one or two B-tree nodes of 2 kB per dataset and chunk.
- * Random bytes among zeros took a tenth less than this, for any share of them. */
+/* Bytes that `events` events and `entries` index entries may need. The raw sizes count in full, and the deflated zeros that
+ * fill the last chunk with 1 %. The rest of the sum is for deflate's 5 bytes per 16 kB, and for one or two B-tree nodes of 2 kB
+ * per dataset and chunk. Measured with random bytes among any share of zeros, files took a tenth less than this bound. */
 static uint64_t space_needed(uint64_t events, uint64_t entries) {
     const uint64_t index_chunks = entries / TD_INDEX_CHUNK + 2, row = BYTES_PER_EVENT + BYTES_OF_LABELS;
     const uint64_t filled = (events + TD_EVENT_CHUNK - 1) / TD_EVENT_CHUNK * TD_EVENT_CHUNK - events;

@@ -16,7 +16,7 @@
 enum {
     FAULTS = 50,   /* one deviating value in so many is allowed */
     ENOUGH = 64,   /* rows needed to judge a rate */
-    SELDOM = 1000, /* events a second; even a sensor at rest has more, from noise */
+    SELDOM = 1000, /* events a second; noise alone gives even a sensor at rest more */
     DECIMALS = 5   /* a time written with so many decimals is in seconds */
 };
 
@@ -43,6 +43,7 @@ void td_table_add(td_table_column *c, double value, int decimals) {
 /* ---- given by names ---- */
 
 static const char *const field_names[TD_ROW_FIELDS] = {"t", "x", "y", "p"};
+/* Names of columns in lower case without "_" and the like; '*' stands for any letters. */
 static const char *const spellings[TD_ROW_FIELDS] =
     {"t|ts|time|timestamp|timestamps|times|stamp|*timestamp|*stamp|*time|eventt|eventst",
      "x|xs|xcoordinate|xcoord|xpos|xaddr|col|column|u|pixelx|xpixel|eventx|eventsx|addrx|posx|coordx",

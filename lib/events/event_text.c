@@ -1,6 +1,6 @@
-/* Text files with blanks between columns (.txt). Written as `t x y p`, with times in seconds and nine decimals, so that
- * nothing is lost. ECD's and v2e's kind has '#' comments; E2VID's begins with a line of the sensor's width and height. Other
- * orders and units are read, too, and found from the values. */
+/* Text files with blanks between columns (.txt). They are written as `t x y p`, with times in seconds and nine decimals, so
+ * that nothing is lost. Files of ECD and v2e have '#' comments; those of E2VID begin with a line of the sensor's width and
+ * height. Other orders and units are read, too, and found from the values. */
 #include "td_event_rows.h"
 
 #include "td_base.h"

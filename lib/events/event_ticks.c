@@ -11,15 +11,15 @@ typedef struct slot {
 } slot;
 
 struct td_event_ticks {
-    int64_t tick_ns, tick; /* length of a tick [ns]; number of the current tick, */
-    int64_t begin, end;    /* and its first and last time, for times from 0 on */
+    int64_t tick_ns, tick; /* length of a tick [ns]; number of the current tick */
+    int64_t begin, end;    /* [ns] the current tick is begin <= t < end, for times from 0 on */
     uint64_t collapsed;
     uint32_t generation; /* slots with another generation are empty */
     size_t used, mask;   /* slots in use; number of slots minus one */
     slot *slots;
 };
 
-/* Slots at the beginning, a power of two; a busier tick makes it grow. */
+/* Number of slots at the beginning, a power of two. The set grows when half of its slots are in use. */
 enum { FIRST_SLOTS = 1024 };
 
 td_event_ticks *td_event_ticks_create(int64_t tick_ns, tides_error *error) {

@@ -19,7 +19,8 @@ typedef struct list {
     char word[2][64];         /* the texts in the column of times */
 } list;
 
-/* The column that counts frames; its first value is 0 or 1, and there is another column. */
+/* The column of times in the first row of a list without a header; -1: none. It is the first number, or the second one if the
+ * first number counts frames: that is 0 or 1 without decimals. */
 static int find_column(char *const words[], int count) {
     double value;
     int decimals, found = -1;
@@ -49,7 +50,8 @@ static int take_line(list *l, char *line) {
     return 1;
 }
 
-/* Reads the first time; 0 if there is none. `usual`: digits of the unit in lists of this name. */
+/* Reads the first time in a list; 0 if there is none. `usual`: 10^usual ns is the unit in lists of this file name; -1: the unit
+ * is found from the values. */
 static int first_time(const char *path, int usual, int64_t *ns) {
     list l = {.column = -1, .digits = -1};
     char line[TD_ROW_LINE];

@@ -9,8 +9,8 @@
  *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k, so it counts from t_offset too. It covers the recording's
  *                       end: a query that ends within the recording finds its entry. (DSEC's own reader fails on a window
  *                       without events; that is its defect.)
- *   /t_offset      i8   scalar [us]: 0 where the recording lies within the first 4294.967 s, else its start: times of 1.4e9 s
- *                       (or before 0) are t + t_offset, as in DSEC
+ *   /t_offset      i8   scalar [us], to be added to t, as in DSEC. It is 0 if the recording lies within the first 4294.967 s,
+ *                       which 32 bits of microseconds hold; otherwise it is the recording's start
  *   attributes of the root: format "tides-events", version 1, tides_version, width, height, seed, run (the run file's JSON; a
  *     scalar dataset /run if it is longer than 60 kB), count (events that are safely in the file), start_ns (the recording's
  *     begin, if known), stop_ns (its end; -1 while it is being written). Texts have fixed length (h5py gives bytes); in older
@@ -42,7 +42,7 @@ typedef struct hdf5_writer {
     int64_t offset; /* [us] the final or intended t_offset */
 } hdf5_writer;
 
-/* Assumed length of a recording whose end isn't known [ns]. */
+/* Assumed length of a recording whose end isn't known [ns]: half of the time that /events/t can hold. */
 #define TAKEN_LENGTH (TD_EVENT_SPAN / 2)
 
 /* ---- t_offset ---- */

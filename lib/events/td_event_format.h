@@ -96,10 +96,7 @@ typedef struct td_event_sink {
     int claim;   /* second descriptor that keeps the .part locked after it is closed */
     void *state; /* the format's, freed by its discard */
     td_event_ticks *ticks;
-    size_t
-        /* bytes of `at` that are still in `held`: records are a few bytes long, and a call of fwrite costs as much as ten of
-         * them */
-        holds;
+    size_t holds; /* bytes of `at` still in `held`, since a call of fwrite costs as much as ten records of a few bytes */
     unsigned char held[TD_SINK_HELD];
 } td_event_sink;
 

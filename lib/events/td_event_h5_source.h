@@ -12,9 +12,9 @@ enum { TD_H5_PATH = 192 };
 /* A place in a file that holds events. */
 typedef struct td_h5_place {
     char group[TD_H5_PATH];                /* "/prophesee/left"; for a table, its path */
-    char names[TD_H5_COLUMNS][TD_H5_PATH]; /* names of the datasets; "": the file has no such place */
+    char names[TD_H5_COLUMNS][TD_H5_PATH]; /* names of the datasets; "": no place was found */
     int32_t table;                         /* 1: one dataset of four columns */
-    int32_t digits;                        /* of the unit in the name of the times; -1: none */
+    int32_t digits;                        /* 10^digits [ns] is the unit that the name of the times gives; -1: it gives none */
 } td_h5_place;
 
 /* Finds the place of the events: the only one, or the one called `stream` (may be NULL). If that isn't clear,
@@ -60,7 +60,8 @@ tides_status td_h5_source_read(td_event_source *source, td_event_stream *stream,
 herr_t td_h5_column_rows(const td_h5_column *column, uint64_t first, size_t count, int64_t *out);
 
 /* Finds the meaning of a table's columns, and the unit of times, from the source's open columns and their first values.
- * `known_digits`: the unit in the layout; -1: none. */
+ * `known_digits`: 10^known_digits [ns] is the layout's unit; -1: it has none. `known_order`: 1 if the layout is known and
+ * defines the columns. Notes for the user are added to `told`. */
 tides_status td_h5_find_meaning(td_event_source *source, const tides_event_reading *how, int known_digits, int known_order,
                                 char told[160], tides_error *error);
 

@@ -21,7 +21,8 @@ typedef struct td_event_rows {
 enum { TD_TEXT_NONE = 0, TD_TEXT_HEADER, TD_TEXT_GEOMETRY, TD_TEXT_COMMAS, TD_TEXT_SIZED, TD_TEXT_BLANKS };
 int td_event_text_kind(const td_event_probe *probe);
 
-/* If a text of no such kind has rows of numbers, fails with the reason why they aren't events. TIDES_OK for all other texts. */
+/* For a text of kind TD_TEXT_NONE with rows of numbers, fails with the reason why they aren't events. TIDES_OK for other
+ * texts. */
 tides_status td_event_text_refuse(const td_event_probe *probe, tides_error *error);
 
 /* Opens a text of any kind: finds header, columns, unit. `fixed`: the columns of a format given by name. */

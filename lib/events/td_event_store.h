@@ -29,8 +29,9 @@ typedef struct td_event_store {
 /* Bytes of a store's scratch. */
 #define TD_EVENT_SCRATCH (TD_EVENT_CHUNK * sizeof(int64_t) + TD_H5_CHUNK_ROOM(TD_EVENT_CHUNK * sizeof(int64_t)))
 
-/* Labels: mark as not open; create all in a new file; append those of `count` events at `row` (`fired` NULL: their own t;
- * `scratch` holds a chunk of int64); reopen those of an unfinished file, cut to `rows`; close. */
+/* Labels of a file. _reset marks all columns as not open, _create creates all in a new file, and _reopen opens those of an
+ * unfinished file and cuts them to `rows`. _append adds those of `count` events at row `row`; with `fired` NULL events fired at
+ * their own t, and `scratch` has room for a chunk of int64. */
 void td_event_labels_reset(td_event_labels *labels);
 herr_t td_event_labels_create(hid_t file, td_event_labels *labels);
 herr_t td_event_labels_append(hid_t file, td_event_labels *labels, uint64_t row, const tides_event *events,

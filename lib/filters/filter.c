@@ -57,7 +57,7 @@ static tides_status check_numbers(const tides_filters *f, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Completes the activity filter's bounds, and checks rules between two bounds. */
+/* Sets each stop of the activity filter that is 0 to its start, and checks that pairs of bounds are in order. */
 static tides_status settle(tides_filters *f, tides_error *error) {
     if (f->activity_low_stop == 0) f->activity_low_stop = f->activity_low_start;
     if (f->activity_high_stop == 0) f->activity_high_stop = f->activity_high_start;

@@ -1,4 +1,12 @@
-/* The decision of each filter about an event: pass or drop. The laws are described in include/tides/filters.h. */
+/* The decision of each filter about an event: pass or drop.
+ *
+ *   background   passes if enough of the 8 neighbours had an event within background_s before
+ *   activity     passes unless the rate of the last ended period was too low, or too high
+ *   erc          event rate control: passes by chance, or passes the first events of each period
+ *   afk          anti-flicker: passes if the event's cell of pixels flickers, or if it doesn't
+ *   trail        passes the first event after a change of polarity or a pause, or the second and later ones of a burst
+ *
+ * include/tides/filters.h has the exact laws. */
 #include "td_filter.h"
 #include "td_random.h"
 
@@ -48,7 +56,7 @@ int td_filter_activity(tides_filter *f, const tides_event *event) {
     const double count = (double)period[TD_PERIOD_COUNT];
     const int64_t ended = count_event(period, event->t, f->activity_ns);
     if (ended > 0) judge(f, count);
-    if (ended > 1) judge(f, 0); /* once is enough: more empty periods change nothing */
+    if (ended > 1) judge(f, 0); /* the periods since then were empty; judging one of them is enough */
     return !f->state[TD_FILTER_LOW] && !f->state[TD_FILTER_HIGH];
 }
 
@@ -67,7 +75,8 @@ int td_filter_erc(tides_filter *f, const tides_event *event) {
 
 enum { COUNTER_MAX = 7 };
 
-/* Notes that a cell has changed to the event's polarity. */
+/* Handles a cell's change to the event's polarity. The time since the last change to it counts the cell's counter up if it is a
+ * period of flicker, else down; the counter switches the cell's state. */
 static void turn(const tides_filter *f, int64_t *cell, const tides_event *event) {
     int64_t *before = &cell[event->polarity > 0 ? TD_CELL_ON : TD_CELL_OFF], *counter = &cell[TD_CELL_COUNTER];
     const int64_t v = td_since(event->t, *before);

@@ -9,23 +9,24 @@
 #define TD_NEVER INT64_MIN
 enum {
     TD_FILTER_LAST,                                        /* time of the last event */
-    TD_FILTER_IN,                                          /* number of events taken, */
-    TD_FILTER_DROPPED,                                     /* and of events dropped, for each filter */
-    TD_FILTER_ACTIVITY = TD_FILTER_DROPPED + TIDES_STAGES, /* counter by periods */
-    TD_FILTER_LOW = TD_FILTER_ACTIVITY + 3,                /* 1: dropping, because the rate was too low, */
-    TD_FILTER_HIGH,                                        /* or too high */
-    TD_FILTER_ERC,                                         /* counter by periods */
+    TD_FILTER_IN,                                          /* number of events given to the filters */
+    TD_FILTER_DROPPED,                                     /* numbers of events that each filter dropped */
+    TD_FILTER_ACTIVITY = TD_FILTER_DROPPED + TIDES_STAGES, /* activity filter's counter by periods (TD_PERIOD_*) */
+    TD_FILTER_LOW = TD_FILTER_ACTIVITY + 3,                /* 1: the activity filter drops, since the rate was too low */
+    TD_FILTER_HIGH,                                        /* 1: it drops, since the rate was too high */
+    TD_FILTER_ERC,                                         /* event rate control's counter by periods (TD_PERIOD_*) */
     TD_FILTER_HEADER = TD_FILTER_ERC + 3
 };
 
 /* A counter of events by periods: number of the last event's period, events in it so far, and events in the period before. */
 enum { TD_PERIOD_NUMBER, TD_PERIOD_COUNT, TD_PERIOD_BEFORE };
 
-/* State of a cell of AFK: times of the last changes to OFF and to ON; polarity of the last event, or 0; the counter; 1 if it
- * flickers. */
+/* State of a cell of AFK, the anti-flicker filter: times of the last changes to OFF and to ON; polarity of the last event, or
+ * 0; counter of changes at a flicker's period; 1 if the cell flickers. */
 enum { TD_CELL_OFF, TD_CELL_ON, TD_CELL_POLARITY, TD_CELL_COUNTER, TD_CELL_FLICKERS, TD_CELL };
 
-/* State of a pixel of the trail filter: time of its last event; polarity of that, or 0; 1 if the pixel is armed. */
+/* State of a pixel of the trail filter: time of its last event; polarity of that, or 0; 1 if the pixel is armed. A change of
+ * polarity arms a pixel, so that the next event of that polarity passes. */
 enum { TD_TRAIL_LAST, TD_TRAIL_POLARITY, TD_TRAIL_ARMED, TD_TRAIL };
 
 struct tides_filter {

@@ -9,8 +9,8 @@
 
 #include <math.h>
 
-/* From this mean on, the number of electrons is drawn from the normal distribution with equal mean and variance, rounded.
- * This loses only the third moment, 1/10 of a sigma there and falling. Below, the draw is exact. */
+/* [electrons] From this mean on, the number of electrons is drawn from the normal distribution with equal mean and variance,
+ * rounded. This loses only Poisson's skewness, 1 / sqrt(mean): 1/10 or less. Below this mean the draw is exact. */
 static const double normal_from = 100;
 
 /* The smallest k at which Poisson's cumulative distribution reaches u, by summing from 0. */

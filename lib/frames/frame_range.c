@@ -8,11 +8,11 @@
 /* Number of frames examined, spread over the sequence, so that a fade from black isn't taken for the whole. */
 enum { LOOKS = 8 };
 
-/* Limits for floats. Scenes may be brighter than white, but hardly ever by 4 stops. 8-bit values are above the limit, except
- * in pictures darker than 6 % grey. */
+/* Floats up to BRIGHT have white at 1: scenes may be brighter than white, but hardly ever by more than 4 stops. Whole numbers
+ * above BRIGHT, up to EIGHT_BITS, have white at 255. Only pictures darker than 6 % grey have all 8-bit values below BRIGHT. */
 static const double BRIGHT = 16, EIGHT_BITS = 255;
-/* Share of the full range. 10, 12 and 14 bits stored in 16 stay below it; 16-bit pictures that do are darker than half of
- * sRGB's range. */
+/* Integers have white at their type's largest value if the largest stored one is at least this share of it. Values of 10, 12 or
+ * 14 bits stored in 16 stay below; so do 16-bit pictures that are darker than half of sRGB's range. */
 static const double FILLED = 0.25;
 
 static tides_status fail_unknown(const tides_frames *frames, double largest, tides_error *error) {

@@ -13,6 +13,7 @@
 
 /* Field numbers of a frame. */
 enum { TIME = 0, EXPOSED_FROM = 3, EXPOSED_TO = 4, FORMAT = 5, WIDTH = 6, HEIGHT = 7, LEFT = 8, TOP = 9, PIXELS = 10 };
+/* Numbers of the formats that are read; and the most frames that are listed. */
 enum { GREY = 0, BGR = 16, BGRA = 24, COUNT_MOST = 100000000 };
 
 typedef struct place {
@@ -33,8 +34,8 @@ typedef struct recording {
 
 /* A frame in the recording's memory. */
 typedef struct one_frame {
-    double time, exposed; /* [s] */
-    int32_t width, height, left, top, channels, stored;
+    double time, exposed;                               /* [s] */
+    int32_t width, height, left, top, channels, stored; /* [px] size and place; channels with light, and all channels stored */
     const unsigned char *pixels;
 } one_frame;
 

@@ -22,8 +22,8 @@ typedef struct video {
     uint64_t rate, scale; /* rate frames in scale seconds */
     off_t *at;            /* (count) byte offset of each frame's samples */
     size_t count, capacity, bytes;
-    unsigned char *samples; /* (bytes) of a frame, */
-    float *values;          /* (height x width x channels) converted to R', G', B' */
+    unsigned char *samples; /* (bytes) a frame as stored */
+    float *values;          /* (height x width x channels) the frame in R', G', B', or in grey */
 } video;
 
 static void close_video(void *state) {

@@ -6,7 +6,7 @@
 #include "td_base.h"
 #include "tides/frames.h"
 
-/* Limits of frames. Events have 16-bit coordinates, and cameras are smaller. */
+/* Limits of frames: a side [px], planes, and an array's dimensions. Events have 16-bit coordinates, and cameras are smaller. */
 enum { TD_FRAME_SIDE_MAX = 16384, TD_FRAME_PLANES_MAX = 4096, TD_FRAME_DIMS_MAX = 6 };
 
 /* Facts about the stored values of the frames read since it was cleared. */
@@ -53,8 +53,9 @@ tides_status td_frame_png(const char *path, td_picture_values *picture, tides_er
 int td_frames_is(const char *path);
 int td_frames_is_video(const char *path); /* .y4m, or "-" for a pipe */
 
-/* Converts a value to linear light, given as stored and with 1 at its type's largest. td_frame_luminance converts a picture
- * (count x channels), whose type's largest value is `unit`, to luminance. */
+/* td_frame_light converts a value to linear light. It is given twice: as `stored`, and as `value`, its share of the type's
+ * largest value. td_frame_luminance converts a picture of such shares (count x channels) to luminance; `unit` is the type's
+ * largest value. */
 double td_frame_light(tides_frames *frames, double stored, double value);
 void td_frame_luminance(tides_frames *frames, const float *values, double unit, int32_t channels, size_t count, double *Y);
 

@@ -9,12 +9,12 @@
 #include <string.h>
 
 enum {
-    REACH = 2,      /* px around a pixel with which it is compared */
-    RANK = 3,       /* the two busiest neighbours may be hot themselves */
-    HOT_LEAST = 10, /* events of a hot pixel, at least, */
-    HOT_TIMES = 5   /* and ratio to its neighbours' number */
+    REACH = 2,      /* px: a pixel is compared with its neighbours within this distance in x and y */
+    RANK = 3,       /* of these the third busiest counts, since two may be hot themselves */
+    HOT_LEAST = 10, /* a hot pixel has more events than this */
+    HOT_TIMES = 5   /* a hot pixel has more than this multiple of the third busiest neighbour's events */
 };
-#define SPAN_MOST_S 20000.0 /* 80 million bins */
+#define SPAN_MOST_S 20000.0 /* [s] the longest recording: 80 million bins of rates */
 
 /* Converts bins of bursts to spans of time, from the recording's first event on. */
 static tides_status take_bursts(tides_blemishes *found, const uint8_t *burst, size_t bins, int64_t first_ns,

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A cell of the current slab of time: its point, valid if the serial number is the slab's. */
+/* A cell of the current slab of time: the index of its point, which is valid if `serial` is that of the current slab. */
 typedef struct cell {
     uint64_t serial;
     size_t point;
@@ -30,9 +30,9 @@ typedef struct chamfer {
     size_t across;
     uint64_t serial;
     cloud clouds[2];
-    td_sum weighted, weight; /* sums of the terms */
+    td_sum weighted, weight; /* sums over windows and polarities: of a term times its points, and of the points */
     td_sum directed[2];      /* sums of distances from each stream's points */
-    uint64_t points[2];      /* number of these */
+    uint64_t points[2];      /* number of each stream's points */
 } chamfer;
 
 static size_t cell_of(double coordinate, double edge) {

@@ -48,7 +48,7 @@ static size_t pixel_intervals(const uint64_t *train, size_t count, double floor_
 
 static double mean_tau(const moments *m) { return td_sum_of(&m->tau) / (double)m->count; }
 
-/* mean(1/tau) - 1/mean(tau): the estimate of 1/shape, before a lower bound for regular trains. */
+/* mean(1/tau) - 1/mean(tau): the estimate of 1/shape. It is 0 for a regular train, so fit() bounds the shape by 1e6 means. */
 static double spread(const moments *m) {
     const double difference = td_sum_of(&m->inverse) / (double)m->count - 1.0 / mean_tau(m);
     return difference > 0 ? difference : 0.0; /* below 0 only by rounding (Jensen) */

@@ -1,5 +1,6 @@
 /* Squared distance of two streams as sums of 3-D Gaussians with the polarity as sign (after Li et al. 2019):
- *     sum over all pairs of p_i p_j w_i w_j exp(-(dx^2 + dy^2) / (2 s_px^2) - dt^2 / (2 s_s^2)), w = 1 and -1. */
+ *     sum over all pairs of p_i p_j w_i w_j exp(-(dx^2 + dy^2) / (2 s_px^2) - dt^2 / (2 s_s^2)),
+ * where p is an event's polarity, and w is 1 for events of one stream and -1 for those of the other. */
 #include "td_metrics.h"
 
 #include "td_math.h"

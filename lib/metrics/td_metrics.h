@@ -66,10 +66,11 @@ typedef struct td_sum {
 void td_sum_add(td_sum *sum, double value);
 static inline double td_sum_of(const td_sum *sum) { return sum->total + sum->lost; }
 
-/* Spike ratio of `count` intervals [ns]. */
+/* Spike ratio of `count` intervals [ns]: the share of them near zero, or at multiples of a clock's period. */
 tides_status td_isi_spike(const uint64_t *intervals, size_t count, const tides_metrics_options *options, double *spike,
                           tides_error *error);
-/* W1 of log10 of sorted intervals [ns]; shorter ones count as floor_ns. */
+/* Wasserstein-1 distance [decades] of the distributions of log10 of two sorted lists of intervals [ns]. Intervals below
+ * floor_ns count as floor_ns. */
 double td_isi_distance(const uint64_t *a, size_t count_a, const uint64_t *b, size_t count_b, double floor_ns);
 /* Victor-Purpura distance of two ascending lists of times [ns]; `score` has room for count_b + 1 values. */
 double td_edit_cost(const int64_t *a, size_t count_a, const int64_t *b, size_t count_b, double cost_per_ns, double *score);

@@ -271,7 +271,7 @@ static tides_status serve_until(tides_arbiter *a, int64_t t, tides_error *error)
     return status;
 }
 
-/* Events that have yet to leave won't get an earlier time than this [ns]. */
+/* [ns] No event that still waits or comes later leaves with an earlier time than this. */
 static int64_t certain_until(const tides_arbiter *a) {
     double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s;
     int64_t start = a->tick_ns ? a->tick.next * a->tick_ns : a->last_t;
@@ -293,8 +293,8 @@ static tides_status check_order(tides_arbiter *a, const tides_event *events, siz
     return TIDES_OK;
 }
 
-/* If nothing waits: the number of next events that fire in this tick and can all leave in it, from one queue. Else, and if
- * the tick may not be over, 0: then they must queue. */
+/* The number of next events that fire in the current tick, go to one queue, and can all leave in this tick. 0, so that they
+ * must queue, if another event waits already or if later events may still fire in this tick. */
 static size_t find_prompt(const tides_arbiter *a, const tides_event *events, size_t count) {
     if (a->queues.waiting > 0 || a->drops || a->readout.kind == TIDES_READOUT_ROWS) return 0;
     if (events[0].t < a->tick.next * a->tick_ns) return 0;

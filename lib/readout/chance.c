@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-/* The key of an event's random numbers. It is unique, as a pixel fires at most once per polarity and nanosecond. */
+/* The random bits of an event for one purpose. Their key is the pixel, the time and the polarity. It is unique, as a pixel
+ * fires at most once per polarity and nanosecond. */
 static td_random_bits draw(const tides_arbiter *a, const tides_event *event, uint32_t purpose) {
     uint32_t pixel = (uint32_t)event->y * (uint32_t)a->width + event->x;
     return td_random(a->seed, pixel, 2 * (uint64_t)event->t + (event->polarity > 0), purpose);

@@ -10,16 +10,16 @@ struct tides_arbiter {
     tides_readout readout;
     int32_t width, height, across, down;
     uint64_t seed;
-    int64_t tick_ns; /* 0: infinite rate */
-    int64_t row_ns, event_ps, frame_ns;
-    int64_t start_ns;                /* no event leaves before this [ns] */
-    int drops, jitters;              /* whether any event may be dropped, or jittered */
-    double wide;                     /* jitter = standard deviation x normal number x this */
-    int32_t *tile_row, *tile_column; /* (height), (width): the first tile of the row of tiles; the column of tiles */
-    double *psi;                     /* (tiles) */
-    int32_t *release;                /* (tiles) K_m: events per tick */
+    int64_t tick_ns;                    /* 0: infinite rate */
+    int64_t row_ns, event_ps, frame_ns; /* row_s, event_s and frame_s of `readout`, in [ns], [ps] and [ns] */
+    int64_t start_ns;                   /* no event leaves before this [ns] */
+    int drops, jitters;                 /* whether any event may be dropped, or jittered */
+    double wide;                        /* jitter = standard deviation x normal number x this */
+    int32_t *tile_row, *tile_column;    /* (height), (width): the first tile of the row of tiles; the column of tiles */
+    double *psi;                        /* (tiles) activity of each tile, 0 to 1 */
+    int32_t *release;                   /* (tiles) K_m: events per tick */
     td_queues queues;
-    uint64_t *held;     /* SCANNED: a bit per pixel: it holds an event */
+    uint64_t *held;     /* for sensors read as frames (SCANNED): a bit per pixel, 1 if it holds an event */
     int32_t next_queue; /* the queue from which the search for the next one goes on: behind the one that was found last */
     struct {
         int64_t next; /* the first one that hasn't been served */
@@ -38,8 +38,9 @@ struct tides_arbiter {
 
 static inline int td_arbiter_has_ticks(const tides_arbiter *arbiter) { return arbiter->readout.kind < TIDES_READOUT_REQUESTED; }
 
-/* Readouts without ticks (REQUESTED, SCANNED). _until reads all rows and frames that are over before `t`. _append puts an
- * event into its queue and sets `*full` if there is no room. _certain: no event that waits leaves before this time [ns]. */
+/* Readouts without ticks: rows that request the bus (REQUESTED), and sensors read as frames (SCANNED). _until reads all rows
+ * and frames that are over before `t` [ns]. _append puts an event into its queue and sets `*full` if there is no room.
+ * _certain: no event that waits leaves before this time [ns]. */
 tides_status td_asked_until(tides_arbiter *arbiter, int64_t t, tides_error *error);
 tides_status td_asked_append(tides_arbiter *arbiter, const tides_event *event, int *full, tides_error *error);
 int64_t td_asked_certain(const tides_arbiter *arbiter);

@@ -137,8 +137,8 @@ static tides_status check_quaternions(const td_gaussians *gaussians, complaint c
     return TIDES_OK;
 }
 
-/* Checks means and scales after multiplication by the object's scale. Scales only have to be finite numbers: the kernels
- * decide by distance what is too wide. */
+/* Checks means and scales after multiplication by the object's scale. A splat's scale only has to be finite: whether it is too
+ * wide for the image depends on its distance, and the kernels decide that. */
 static tides_status check_range(const td_gaussians *gaussians, double scale, complaint c) {
     const double most = td_ln((double)FLT_MAX) - td_ln(scale);
     for (int64_t i = 0; i < gaussians->count; i++)

@@ -14,9 +14,10 @@ static const double pi = 3.14159265358979323846;
 
 enum { BANDS = TIDES_SH_DEGREE_MAX + 1, MOST = BANDS * BANDS, NODES = 5, TURNS = 9 };
 
-/* Band l of INRIA's basis (real, with the Condon-Shortley phase) in the unit direction d: m from -l to l. */
+/* Values of band l of the spherical harmonics (SH) in the unit direction d, for m from -l to l. The basis is that of INRIA's
+ * 3DGS: real, with the Condon-Shortley phase. */
 static void band(const double d[3], int l, double *y) {
-    /* cosine and sine of m times the azimuth, times sin(polar)^m; P_mm without that factor */
+    /* cosine, sine: of m times the azimuth, both times sin(polar angle)^m. start: Legendre's P_mm without this power */
     double cosine = 1, sine = 0, start = 1;
     for (int m = 0; m <= l; m++) {
         double factor = (2 * l + 1) / (4 * pi), before = 0, p = start;
@@ -36,7 +37,8 @@ static void band(const double d[3], int l, double *y) {
 }
 
 /* Matrix that rotates band l's coefficients by R (row-major): D[j][k] is the integral of Y_j(u) Y_k(R^T u) over the sphere.
- * The rule is Gauss-Legendre along z, and equal steps around z. It is exact for products of two bands up to 4. */
+ * The integral is a sum over NODES Gauss-Legendre nodes along z, times TURNS equal steps around z. The sum is exact for
+ * products of two bands up to 4. */
 static void band_rotation(const double r[9], int l, double *matrix) {
     static const double at[NODES] = {-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831, 0.9061798459386640};
     static const double weight[NODES] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
@@ -54,7 +56,7 @@ static void band_rotation(const double r[9], int l, double *matrix) {
         for (int j = 0; j < width; j++)
             for (int k = 0; k < width; k++) matrix[width * j + k] += weight[i / TURNS] * (2 * pi / TURNS) * here[j] * there[k];
     }
-    for (int i = 0; i < width * width; i++) { /* half turns about an axis only change signs: make that exact */
+    for (int i = 0; i < width * width; i++) { /* under half turns about an axis all entries are 0, 1 or -1: make them exact */
         const double whole = floor(matrix[i] + 0.5);
         if (fabs(matrix[i] - whole) < 1e-13) matrix[i] = whole;
     }
@@ -99,8 +101,8 @@ static int straighten_pair(double m[9], int a, int b) {
     return 1;
 }
 
-/* The ellipsoid m m^T, which a Gaussian's axes become under a map that scales one axis more than another, as axes that are
- * upright on each other again: Hestenes's one-sided Jacobi. */
+/* Finds the orthogonal axes of the ellipsoid m m^T, by Hestenes's one-sided Jacobi method. The columns of `m` are a Gaussian's
+ * axes after a map that scales one axis more than another, so they aren't orthogonal any more. */
 static void shape_of(double m[9], float *log_scale, float *quaternion) {
     enum { SWEEPS = 30 }; /* for 3x3, four to six are enough */
     double r[9], q[4], length[3];
@@ -112,7 +114,7 @@ static void shape_of(double m[9], float *log_scale, float *quaternion) {
         log_scale[c] = (float)td_ln(length[c]);
     }
     const double third[3] = {r[3] * r[7] - r[6] * r[4], r[6] * r[1] - r[0] * r[7], r[0] * r[4] - r[3] * r[1]};
-    for (int k = 0; k < 3; k++) r[3 * k + 2] = third[k]; /* the sign of an axis is free */
+    for (int k = 0; k < 3; k++) r[3 * k + 2] = third[k]; /* makes r a rotation; an ellipsoid's axis has no sign */
     td_quaternion_from_rotation(r, q);
     for (int k = 0; k < 4; k++) quaternion[k] = (float)q[k];
 }

@@ -1,4 +1,5 @@
-/* The maps that a glTF's nodes give to its meshes: a node's own map after those of all nodes above it. */
+/* The maps from a glTF's meshes to its scene. A mesh belongs to a node; its map is the node's own, followed by the maps of all
+ * nodes above it. */
 #include "camera/td_rotation.h"
 #include "td_gltf.h"
 
@@ -6,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEEPEST = 256 };
+enum { DEEPEST = 256 }; /* levels of nodes; this bound ends the search where nodes are their own ancestors */
 
 static const double still[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
@@ -91,7 +92,8 @@ static tides_status find_map(const td_gltf *g, const int64_t *parents, td_gltf_p
     return TIDES_OK;
 }
 
-/* Fails unless the map is a rotation after factors along the axes: for splats, others have no defined result. */
+/* Fails unless the map scales along the mesh's axes and then rotates. Other maps (mirrors, shears) have no defined result for
+ * splats, whose colours depend on the direction of view. */
 static tides_status check_map(const td_gltf *g, const td_gltf_place *place) {
     const double *m = place->map;
     double c[3][3];

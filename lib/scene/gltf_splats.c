@@ -1,13 +1,14 @@
-/* Reads Gaussian splats of a glTF, by Khronos's KHR_gaussian_splatting (ratified 2026). All that its scene shows is one set:
+/* Reads Gaussian splats of a glTF, by Khronos's KHR_gaussian_splatting (ratified 2026). All splats that its scene shows become
+ * one set of Gaussians. Their attributes are
  *
  *     POSITION, KHR_gaussian_splatting:ROTATION (xyzw), :SCALE, :OPACITY (0 to 1), :SH_DEGREE_l_COEF_n, n from m = -l to l
  *
- * Each is an accessor of a primitive with the extension; SH are INRIA's. SCALE is linear, so never negative. In drafts
- * (splat-transform until June 2026) it was a logarithm, under the same name. Some splats are smaller than 1, so a file with
- * negative values, or with signed integers, has logarithms. Early drafts, which Cesium's tiles use, have _ROTATION and
- * _SCALE, and colour and opacity in COLOR_0.
+ * Each is an accessor of a primitive with the extension; the SH basis is that of INRIA's 3DGS. SCALE is linear, so never
+ * negative. In drafts (splat-transform until June 2026) it was a logarithm, under the same name. The logarithm of a size below
+ * 1 is negative, and files of logarithms have such sizes. So a file with negative values, or with signed integers, has
+ * logarithms. Early drafts, which Cesium's tiles use, have _ROTATION and _SCALE, and colour and opacity in COLOR_0.
  *
- * Compressed splats are a .spz in a bufferView, under three names in drafts; these define that it unpacks to glTF's axes.
+ * Compressed splats are a .spz in a bufferView, under three names in drafts. The drafts define that it unpacks to glTF's axes.
  *
  * glTF's axes are left, up, front, and those of a 3DGS .ply right, down, front: a half turn about z, as other converters
  * apply. colorSpace says whether colours code light as sRGB or linearly. sortingMethod is ignored: the order of depth is the
@@ -96,7 +97,7 @@ static tides_status open_named(td_gltf *g, const primitive *p, const char *key, 
 
 /* -- scales: linear or logarithms ---------------------------------------------------------------------------------------- */
 
-/* Sets `*found` if the primitive's scales are certainly logarithms. */
+/* Sets `*found` if the primitive's scales must be logarithms: they are signed integers, or one of them is negative. */
 static tides_status find_negative(td_gltf *g, const primitive *p, int *found) {
     td_gltf_accessor a;
     if (p->spz >= 0) return TIDES_OK;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEGREE = 3, VERTICES = 34962 };
+enum { DEGREE = 3, VERTICES = 34962 }; /* the extension's highest SH degree; glTF's number for a view of vertex attributes */
 
 /* The attributes written of each Gaussian, up to the coefficients of SH. */
 enum { POSITION, ROTATION, SCALE, OPACITY, HARMONICS };
@@ -37,7 +37,7 @@ static unsigned char *put_positions(unsigned char *to, const td_gaussians *g, do
     return to;
 }
 
-/* Writes rotations: (0, 0, 1, 0) times q, in the order xyzw. */
+/* Writes rotations after a half turn about z: the quaternion (0, 0, 1, 0) times q, both in the order xyzw. */
 static unsigned char *put_rotations(unsigned char *to, const td_gaussians *g) {
     for (int64_t i = 0; i < g->count; i++, to += 16) {
         double q[4];
@@ -58,7 +58,7 @@ static unsigned char *put_opacities(unsigned char *to, const td_gaussians *g) {
     return to;
 }
 
-/* Writes one coefficient of SH. Those of odd m, which are odd in x and y together, change signs. */
+/* Writes SH coefficient k of all Gaussians. A half turn about z changes its sign if its order m is odd. */
 static unsigned char *put_harmonic(unsigned char *to, const td_gaussians *g, int k) {
     const int l = degree_of(k), odd = (k - l * l - l) % 2 != 0;
     const int64_t wide = 3 * (int64_t)td_sh_coefficients(g->sh_degree);
@@ -141,7 +141,7 @@ tides_status td_gltf_write(const char *path, const td_gaussians *g, double scale
         return td_fail(error, TIDES_UNSUPPORTED, "%s: glTF holds SH up to degree %d, and the scene has %d: save it as .ply",
                        path, DEGREE, g->sh_degree);
     const uint64_t each = 4 * (3 + 4 + 3 + 1 + 3 * (uint64_t)td_sh_coefficients(g->sh_degree)),
-                   room = TD_GLTF_HEADER + 2 * TD_GLTF_CHUNK + 8192;
+                   room = TD_GLTF_HEADER + 2 * TD_GLTF_CHUNK + 8192; /* 8192 bytes for the JSON; its length is checked below */
     if ((uint64_t)g->count > (UINT32_MAX - room) / each)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: a .glb ends at 4 GiB, too small for %lld Gaussians: save them as .ply",
                        path, (long long)g->count);

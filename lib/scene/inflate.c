@@ -12,14 +12,15 @@
  * notes). */
 int td_gzip_lies(uint64_t size, size_t packed) { return size / 1032 > packed; }
 
-/* As a bound for zstd: a block of at most 2^17 bytes takes at least 4, its header and the byte that it repeats (RFC 8878,
- * 3.1.1.2). */
+/* 1 if `packed` bytes of zstd can't give `size` bytes. A block unpacks to at most 2^17 bytes, and takes at least 4: its header
+ * and the byte that it repeats (RFC 8878, 3.1.1.2). So each packed byte gives at most 2^15. */
 int td_zstd_lies(uint64_t size, size_t packed) { return size >> 15 > packed; }
 
 /* The part of `bytes` that zlib's counters can take at once. */
 static unsigned part(size_t bytes) { return bytes > 1u << 30 ? 1u << 30 : (unsigned)bytes; }
 
-/* Fills `out`. Z_OK: the stream goes on; Z_STREAM_END: it ends within; otherwise an error. `beyond`: room for a byte. */
+/* Fills `out`. It returns Z_OK if the stream goes on behind the last byte, Z_STREAM_END if it ends at that byte or before, and
+ * otherwise an error of zlib. `beyond` is room for one byte. */
 static int inflate_all(z_stream *stream, const unsigned char *in, size_t bytes, unsigned char *out, size_t size, size_t *made,
                        unsigned char *beyond) {
     size_t taken = 0;

@@ -42,9 +42,9 @@ typedef struct section {
     uint32_t count, room, bucket_size, buckets, full, partial;
     int32_t degree;
     double step;          /* size of a step of quantised centres */
-    double range;         /* half of their range */
+    double range;         /* half of their range, in steps */
     size_t lengths, rows; /* byte offsets in the file */
-    size_t row, end;
+    size_t row, end;      /* bytes of a row; byte offset of the section's end */
 } section;
 
 int td_ksplat_is(const void *start, size_t size, uint64_t file_size) {
@@ -165,7 +165,7 @@ static void unpack_section(const ksplat *k, const section *s, const td_gaussians
     }
 }
 
-/* Walks all sections: with `g` NULL counts Gaussians and finds the highest degree; otherwise fills `g`. */
+/* Visits all sections, counts their Gaussians, and finds the highest SH degree. It also fills `g`, unless that is NULL. */
 static tides_status walk_sections(const ksplat *k, const td_gaussians *g, uint64_t *count, int32_t *degree) {
     size_t at = HEADER + SECTION * (size_t)k->sections;
     *count = 0;

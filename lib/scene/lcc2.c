@@ -47,7 +47,7 @@ static const cJSON *item_of(const cJSON *object, const char *key, const char *ea
 
 /* -- the .lcc2 -- */
 
-/* Blanks instead of commas that only space parts from } or ]. */
+/* Overwrites with a blank each comma that is followed by } or ], perhaps after white space. JSON doesn't allow such commas. */
 static void blank_commas(char *text) {
     int within = 0;
     for (char *c = text; *c; c++) {
@@ -225,7 +225,7 @@ static size_t runs_of_file(const lcc2 *l, size_t i) {
     return count;
 }
 
-/* 1 where the environment has a file: scenes come without it, too. */
+/* `*found` becomes 1 if the environment's file exists. Some scenes name one and are published without it. */
 static tides_status find_environment(const lcc2 *l, int *found) {
     *found = 0;
     if (l->environment < 0) return TIDES_OK;

@@ -1,4 +1,5 @@
-/* Final checks of a trained model that is read from named arrays (.npz, .pth): of its Gaussians and its motion together. */
+/* Final checks of a trained model that is read from named arrays (.npz, .pth): its Gaussians must be valid, and its motion must
+ * fit them. */
 #include "scene/td_method_arrays.h"
 
 #include "motion/td_motion.h"
@@ -17,7 +18,7 @@ tides_status td_arrays_finish(tides_status status, const char *path, td_gaussian
     }
     tides_motion_destroy(moves);
     td_gaussians_free(made);
-    if (status == TIDES_BAD_ARGUMENT) { /* the motion's constructor takes the arrays for a caller's */
+    if (status == TIDES_BAD_ARGUMENT) { /* from the motion's check, which doesn't know that the arrays are a file's */
         status = TIDES_BAD_FILE;
         if (error) error->status = status;
     }

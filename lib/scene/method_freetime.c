@@ -1,7 +1,7 @@
 /* Reads FreeTimeGS (Wang et al. 2025) from gsplat's checkpoints, which have the splats' usual arrays and
  *     times [N, 1]   durations [N, 1] (ln)   velocities [N, 3]
- * With dt = tau - time, mean = mean_0 + velocity dt and opacity = sigmoid exp(-(dt / duration)^2 / 2): a polynomial motion.
- * Durations are at least 0.02; tau runs from 0 to 1. */
+ * tau is the model's own time, from 0 to 1. With dt = tau - time, a Gaussian has mean = mean_0 + velocity dt, and its resting
+ * opacity times exp(-(dt / duration)^2 / 2): a polynomial motion. Shorter durations than 0.02 count as 0.02. */
 #include "scene/td_method_arrays.h"
 
 #include "archive/td_pickle.h"

@@ -2,7 +2,8 @@
  *     0 active_sh_degree   1 xyz [N, 3]         2 features_dc [N, 1, 3]   3 features_rest [N, K - 1, 3]   4 scaling [N, 3]
  *     5 rotation [N, 4]    6 opacity [N, 1]     7 .. 12 of training       13 t [N, 1]      14 scaling_t [N, 1]
  *     15 rotation_r [N, 4] 16 rot_4d            17 env_map                18 active_sh_degree_t
- * Number 16 k + j is SH coefficient j of the harmonic k in time. Without harmonics, 33 coefficients are stored and 16 used.
+ * N is the number of Gaussians, and K that of the coefficients of a colour channel. Coefficient 16 k + j belongs to SH
+ * coefficient j and to harmonic k in time. Without harmonics, 33 coefficients are stored and 16 used.
  *
  * The range of time isn't in this file, and in cfg_args (time_duration) only in some versions. The trainer spreads the
  * centres evenly over the range, and a tenth of it beyond. So the centres tell which of the ranges in its configurations was
@@ -16,7 +17,7 @@
 #include <string.h>
 
 enum { XYZ = 1, DC, REST, SCALING, ROTATION, OPACITY, T = 13, SCALING_T, ROTATION_R, ROT_4D, HARMONICS = 18, ITEMS = 19 };
-enum { K = 16, ENTRIES = 3 * K };
+enum { K = 16, ENTRIES = 3 * K }; /* SH coefficients of degree 3: of one channel, and of all three */
 
 /* Item `index` as floats with `ndim` extents (-1: any); the caller frees them. */
 static tides_status read_item(const td_value *capture, size_t index, const char *name, int ndim, const int64_t *shape,
@@ -128,7 +129,7 @@ static void find_range(const td_model_dir *dir, const fudan_arrays *a, int64_t c
         if (a->centre[i] > most) most = a->centre[i];
     }
     *start = 0;
-    *stop = most - least > 3 ? 10 : 1;
+    *stop = most - least > 3 ? 10 : 1; /* centres spread over 1.2 s for the ranges of 1 s, and over 12 s for that of 10 s */
     if (*stop == 1 && least + most < 0.5) *start = -0.5, *stop = 0.5; /* the middle is nearer to 0 than to 1/2 */
 }
 

@@ -6,7 +6,7 @@
  *     f_dc_0..2                               colour (lite); with f_dc_3..5 and f_t_0..2, nine features (full), which a small
  *                                             network beside it, point_cloud.pt, turns into colour per pixel:
  *                                             mlp1.weight [6, 12, 1, 1], mlp2.weight [3, 6, 1, 1]
- * tau is (frame - first frame) / frames, from 0 to 1. */
+ * The motion's own time is tau = (frame - first frame) / frames, from 0 to 1, and dt = tau - trbf_center. */
 #include "scene/td_method_arrays.h"
 
 #include "archive/td_pickle.h"
@@ -63,7 +63,8 @@ static tides_status read_bell(const td_ply_table *table, stg_arrays *a, tides_er
     return status;
 }
 
-/* Finds how the decoder ends, of three ways: `rgbfunction` in cfg_args; without it the paper's way, "sandwich". */
+/* Finds the last operation of the decoder, the network that makes colours of features. `rgbfunction` in cfg_args names one of
+ * three; without it the model has the paper's, "sandwich". */
 static tides_status find_decoder(const td_model_dir *dir, int *decoder, tides_error *error) {
     static const char *const names[] = {"sandwich", "sandwichnoact", "sandwichnoactss"};
     const char *name = td_value_text(td_value_get(dir->cfg ? td_tree_root(dir->cfg) : NULL, "rgbfunction"));

@@ -202,7 +202,7 @@ static tides_status find_points(td_model_dir *dir, int *found, tides_error *erro
     return *found ? judge_points(dir, error) : status;
 }
 
-/* Finds a sequence of .ply files, if there is no model that gives any time. */
+/* Finds a sequence of .ply files, one per time: time_N.ply in gaussian_pertimestamp, or else in the model's folder itself. */
 static tides_status find_frames(td_model_dir *dir, int *found, tides_error *error) {
     td_numbered_list list = {.items = NULL};
     char *folder = td_format(error, "%s/gaussian_pertimestamp", dir->folder);

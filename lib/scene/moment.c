@@ -78,7 +78,7 @@ static void put_own_sh(const arrays *a, int64_t i) {
  * R diag(scale) have the scales as lengths. */
 static void put_row(void *user, int64_t i, const double *geometry, const double *sh) {
     const arrays *a = user;
-    const double *m = geometry + TD_G_FACTOR, least = ldexp(1, -24); /* opacity 0 has no logit */
+    const double *m = geometry + TD_G_FACTOR, least = ldexp(1, -24); /* opacities 0 and 1 have no finite logit */
     double mean[3], log_scale[3], rotation[9], q[4];
     for (int k = 0; k < 3; k++) {
         const double length = fmax(sqrt(m[k] * m[k] + m[3 + k] * m[3 + k] + m[6 + k] * m[6 + k]), (double)FLT_MIN);

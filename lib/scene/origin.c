@@ -17,7 +17,7 @@
 /* A mean gets an origin only beyond FAR spreads. Nearer, the offset costs at most 4 of a mean's 24 bits, and ordinary scenes
  * keep their bits. With GRID, a scene that was moved by a round number gets exactly this number as its origin, and so its
  * original means. GRID costs at most 2 bits. */
-enum { SAMPLES = 4096, FAR = 16, GRID = 4 };
+enum { SAMPLES = 4096 /* means that decide, evenly spaced in the arrays */, FAR = 16, GRID = 4 };
 
 double td_gaussians_mean(const td_gaussians *g, int64_t i, int axis) {
     return (g->mean_double ? g->mean_double[3 * i + axis] : (double)g->mean[3 * i + axis]) + g->origin[axis];
@@ -40,8 +40,8 @@ static void middle_of(double *values, size_t count, double *median, double *spre
     *spread = 0.5 * (values[count - 1 - cut] - values[cut]);
 }
 
-/* The middle of the means, relative to the present origin, and their spread, which is at least the size of a splat: so a
- * single splat has one, too. `values`: room for SAMPLES. */
+/* Finds the middle of the means, relative to the present origin, and their spread. The spread is at least the median size of a
+ * splat, so that it isn't 0 for a single splat. `values` is room for SAMPLES numbers. */
 static void find_middle(const td_gaussians *g, double *values, double median[3], double *spread) {
     const int64_t step = (g->count + SAMPLES - 1) / SAMPLES;
     const size_t count = (size_t)((g->count + step - 1) / step);

@@ -278,7 +278,7 @@ tides_status td_ply_header_parse(const td_ply_file *file, td_ply_header *header,
     return status;
 }
 
-/* Longest text of a number that a program prints. */
+/* Words of 128 characters or more count as no number: programs print shorter ones. */
 int td_ply_number(td_ply_word word, double *value) {
     char text[128], *end;
     if (word.length == 0 || word.length >= sizeof text) return 0;

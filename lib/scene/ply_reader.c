@@ -237,22 +237,23 @@ static int lie_within(const float *values, size_t count, float least, float most
     return within && differ;
 }
 
-/* Notes values that were activated, which 3DGS files don't have. In no trained scene do all logits lie from 0 to 1, or all
- * splats slightly exceed the unit. */
+/* Notes values that look like opacities and lengths, where 3DGS files have logits and logarithms. In no trained scene do all
+ * logits lie from 0 to 1, nor do all splats measure 1 to 2.7 scene units. */
 static tides_status note_activated(td_gaussians *g, tides_error *error) {
-    enum { ENOUGH = 32 };
+    enum { ENOUGH = 32 }; /* fewer Gaussians may have such values by chance */
     const size_t count = (size_t)g->count;
     tides_status status = TIDES_OK;
     if (count < ENOUGH) return TIDES_OK;
     if (lie_within(g->opacity_logit, count, 0, 1))
-        status = td_note(&g->notes, error,
-                         "its opacities all lie from 0 to 1, as opacities do and logits hardly ever: 3DGS writes logits, and "
-                         "they are taken as that");
+        status =
+            td_note(&g->notes, error,
+                    "its opacities all lie from 0 to 1, which is rare for logits: they are read as logits nevertheless, as "
+                    "3DGS writes them");
     if (status == TIDES_OK && lie_within(g->log_scale, 3 * count, 0, 1))
         status =
             td_note(&g->notes, error,
-                    "its scales all lie from 0 to 1, as lengths do and logarithms hardly ever: 3DGS writes logarithms, and "
-                    "they are taken as that");
+                    "its scales all lie from 0 to 1, which is rare for logarithms: they are read as logarithms nevertheless, "
+                    "as 3DGS writes them");
     return status;
 }
 

@@ -55,7 +55,7 @@ static size_t fill_row(float *row, const td_gaussians *g, size_t i, double scale
     return n;
 }
 
-/* Both return the end of the bytes that they wrote. */
+/* store_float, store_double and store_mean return the end of the bytes that they wrote. */
 static unsigned char *store_float(unsigned char *bytes, float value) {
     td_put_le_float(bytes, value);
     return bytes + sizeof value;

@@ -87,8 +87,9 @@ static tides_status refuse_pointer(const char *path, td_gaussians *gaussians, ti
 /* A function that writes the Gaussians of one object at rest. */
 typedef tides_status (*writer)(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
 
-/* One row per format, those with the surest signs first; all lists of formats come from it. A row without a summary isn't a
- * format, but a file that stands in for one. A row without a reader is TIDES's own format, which stores everything. */
+/* One row per format; all lists of formats come from this table. A file has the first format whose `is` returns 1, so rows with
+ * the surest signs come first. A row without a summary isn't a format, but stands for files that Git hasn't fetched. A row
+ * without a reader is TIDES's own format, which stores everything. */
 static const struct format {
     int (*is)(const beginning *b);
     td_scene_reader with;

@@ -9,6 +9,8 @@
  *                                          scale         double
  *                                          sh_degree     int    0..4; K = (sh_degree + 1)^2
  *                                          trained       text   "plain", "antialiased" or "mixed"; absent if unknown
+ *                                          colour_transfer  text  "linear", "srgb", or e.g. "gamma 2.2"; absent before
+ *                                                                 December 2026
  *                              datasets    mean          float  (N x 3)
  *                                          log_scale     float  (N x 3)
  *                                          quaternion    float  (N x 4)      wxyz, raw

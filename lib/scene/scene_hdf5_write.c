@@ -130,8 +130,8 @@ static tides_status write_root(const td_place *root, const tides_scene *scene) {
     return status ? status : write_objects(root, scene);
 }
 
-/* Creates a file that exists only in memory; negative on failure. HDF5 would open an existing file of its name, even a FIFO
- * without a writer. No file can exist below the plain file /dev/null, so this name is free. */
+/* Creates a file that exists only in memory; negative on failure. If a file of the given name exists on disk, HDF5 opens it,
+ * and waits for ever where it is a FIFO without a writer. No file can exist below the plain file /dev/null. */
 static hid_t create_in_memory(void) {
     static const char name[] = "/dev/null/scene";
     enum { GROW_BY = 1 << 20 }; /* bytes; get_image cuts off the rest */

@@ -22,9 +22,9 @@
 enum { SAMPLES = 65536 };               /* Gaussians that are sampled; quantiles are then good to half a percent */
 static const double faint_logit = -3.0; /* opacity 0.05: fainter ones are haze, which is everywhere */
 static const double all = 0.99, most = 0.9, half = 0.5; /* quantiles of the distance */
-static const double ends = 1.45;   /* largest ratio of the first two for an object; 1.35 for a normal distribution */
+static const double ends = 1.45;   /* largest ratio of `all` to `most` for an object; a normal distribution has 1.35 */
 static const double margin = 1.05; /* space around it, since Gaussians extend beyond their means */
-static const double raised = 0.35; /* the camera is 20 degrees above the middle */
+static const double raised = 0.35; /* the camera's height over the orbit's radius: 19 degrees above the middle */
 static const double turn_s = 12.0; /* [s] for one turn */
 static const double flat = 0.5;    /* z is up if the scene's height is below this part of its smaller width */
 static const double two_pi = 6.28318530717958647692;
@@ -34,7 +34,7 @@ typedef struct survey {
     size_t count;
 } survey;
 
-/* Adds every step-th Gaussian of an object that isn't faint, in world coordinates. */
+/* Adds the means of every step-th Gaussian of an object, in world coordinates, without those of faint Gaussians. */
 static tides_status add_object(survey *s, const td_object *object, int64_t step, tides_error *error) {
     const td_gaussians *g = &object->gaussians;
     tides_pose pose = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
@@ -129,10 +129,10 @@ static int turn_upright(survey *s, const tides_orbit *orbit) {
     return length > 0;
 }
 
-/* Least distance of the camera from the target at which a point stays in the image all the way round. It is `high` above the
- * target and `out` from the axis; one function for rows, one for columns. When the point is at angle a from the camera's
- * side, it is out sin(a) beside the optical axis, high c - out cos(a) s above it, and nearer than the target by high s + out
- * cos(a) c. */
+/* nearest_in_rows and nearest_in_columns: least distance of the camera from the target at which a point stays within the
+ * image's rows, or its columns, all the way round. The point is `high` above the target and `out` from the orbit's axis. When
+ * it is at angle a from the camera's side, it lies out sin(a) beside the optical axis and high c - out cos(a) s above it. It is
+ * then nearer than the target by high s + out cos(a) c. */
 static double nearest_in_rows(double high, double out, double tangent) {
     const double c = 1 / sqrt(1 + raised * raised), s = raised * c;
     const double front = fabs(high * c - out * s) / tangent + out * c, back = fabs(high * c + out * s) / tangent - out * c;
@@ -150,8 +150,8 @@ static double nearest(const survey *s, double (*one)(double, double, double), do
     return most_of_all;
 }
 
-/* The orbit of an object. Its target is shifted along `up` until as much space is left above as below, since nearer parts
- * look larger. There the rows allow the least distance, which is a convex function of the shift. */
+/* The distance for an object. Nearer parts look larger, so the target is shifted along `up` until as much space is left above
+ * the object as below. That shift is the minimum of nearest_in_rows, a convex function of the shift. */
 static double find_distance(survey *s, tides_orbit *orbit, double tangent) {
     double low = 0, high = 0;
     if (!turn_upright(s, orbit)) return 1;

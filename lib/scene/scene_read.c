@@ -26,9 +26,9 @@ static tides_status read_gaussians(const char *file, td_scene_reader with, const
     if (with.choose) return with.choose(file, part, gaussians, error);
     if (part)
         return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "%s: scene.part = \"%.80s\", but this file has no parts: those of glTF, .h5, streamed SOG and trained "
+                       "%s: scene.part = \"%.80s\", but this file has no parts: only glTF, .h5, streamed SOG, LCC and trained "
                        "models "
-                       "have",
+                       "have some",
                        file, part);
     if (with.read) return with.read(file, gaussians, error);
     char *data = NULL;

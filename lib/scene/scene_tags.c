@@ -42,7 +42,7 @@ const char *tides_scene_notes(const tides_scene *scene) { return scene && scene-
 
 /* -- losses -- */
 
-/* How objects code light, except sRGB, which every reader assumes. */
+/* TIDES_LOSES_* flags for how the objects code light. sRGB sets none, since every reader assumes it. */
 static int32_t transfers_of(const tides_scene *scene) {
     int32_t held = 0;
     for (size_t i = 0; scene && i < scene->count; i++) {

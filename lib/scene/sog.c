@@ -8,8 +8,8 @@
  *     shN      optional, a palette: the second picture has the label, low byte r, high byte g; label n's coefficient k is at
  *              x = (n mod 64) K' + k, y = n / 64 of the first one (K' = 3, 8, 15 for 1, 2, 3 bands), r g b into a codebook
  *
- * Version 1 has no "version" and no codebooks. Instead, a byte of 255 is a fraction between mins and maxs (one number each
- * for shN); opacity is so, too, as its logit. The count is means.shape[0].
+ * Version 1 has no "version" and no codebooks. There a byte v stands for mins + v / 255 (maxs - mins), with one number each
+ * for shN. The byte of the opacity gives its logit in this way. The count is means.shape[0].
  *
  * "model" is "antialiased" or "2dgs" for splats that aren't plain (version 2, since 2026). */
 #include "archive/td_zip.h"

@@ -11,7 +11,7 @@
 #define SH_C0 0.28209479177387814 /* the constant band, 1 / (2 sqrt(pi)) */
 
 float td_splat_logit(double opacity) {
-    const double least = 0x1p-24;
+    const double least = 0x1p-24; /* 0 and 1 have no finite logit; a float's nearest neighbour of 1 is 1 - 2^-24 */
     if (opacity < least) opacity = least;
     if (opacity > 1 - least) opacity = 1 - least;
     return (float)td_ln(opacity / (1 - opacity));

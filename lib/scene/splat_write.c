@@ -13,6 +13,7 @@
 #include <zstd.h>
 
 enum { SPLAT_ROW = 32, FIXED = 0x7fffff, LEVEL = 9 /* of zstd: 12 takes four times as long and saves half a percent */ };
+/* SPZ_RUB is the number of the axes right, up, back; SPZ_HEADER, SPZ_RECORD and SPZ_ENTRY (of the table) are bytes. */
 enum { SPZ_MAGIC = 0x5053474e, SPZ_VERSION = 4, SPZ_HEADER = 32, SPZ_RECORD = 12, SPZ_ENTRY = 16, SPZ_ARRAYS = 6, SPZ_RUB = 4 };
 enum { SPZ_ANTIALIASED = 1, SPZ_HAS_RECORDS = 2 };
 
@@ -60,7 +61,8 @@ static void put_fixed(unsigned char *to, double value, int bits) {
     for (int k = 0; k < 3; k++) to[k] = (unsigned char)(word >> 8 * k);
 }
 
-/* Packs a quaternion `q` (wxyz, in the file's axes) by its three smallest components. */
+/* Packs a quaternion `q` (wxyz, in the file's axes). The top 2 bits are the index in xyzw of the largest component. The others
+ * have 10 bits each: the sign, relative to the largest one's, and the size in steps of sqrt(1/2) / 511. */
 static uint32_t smallest_three(const double q[4]) {
     const double xyzw[4] = {q[1], q[2], q[3], q[0]};
     uint32_t largest = 0;
@@ -76,7 +78,8 @@ static uint32_t smallest_three(const double q[4]) {
     return word;
 }
 
-/* Packs all arrays, one after the other. */
+/* Packs all arrays, one after the other: positions, alphas, colours, scales, rotations, SH. A byte of colour is 255 (0.15 dc +
+ * 1/2), of scale 16 (ln + 10), of SH 128 (value + 1). */
 static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int bits) {
     const double flips[3] = {1, -1, -1}; /* to right, up, back */
     const size_t n = (size_t)g->count, coefficients = td_sh_coefficients(g->sh_degree);

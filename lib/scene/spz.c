@@ -5,7 +5,7 @@
  *     alphas      1         opacity, of 255
  *     colours     3         r g b: dc = (v / 255 - 1/2) / 0.15
  *     scales      3         x y z: natural logarithm v / 16 - 10
- *    rotations   3 or 4    up to version 2: x y z, v / 127.5 - 1, and w >= 0 so that the length is 1; later see below
+ *     rotations   3 or 4    up to version 2: x y z, v / 127.5 - 1, and w >= 0 so that the length is 1; later as below
  *     sh          3 (K - 1) coefficient by coefficient, r g b of each: (v - 128) / 128
  *
  * Up to version 3 the whole file is gzipped (some tools don't). Version 4 has a header of 32 bytes. Its byte 15 is the number
@@ -80,7 +80,7 @@ static double fixed_point(const unsigned char *b, double unit) {
     return (value & 0x800000 ? value - 0x1000000 : value) * unit;
 }
 
-/* Unpacks a rotation from its three smallest components; q is wxyz, in the file's axes. */
+/* Unpacks the 32 bits of a rotation; q is wxyz, in the file's axes. The largest component is positive. */
 static void smallest_three(uint32_t word, float q[4]) {
     const unsigned largest = word >> 30; /* index in x y z w */
     double xyzw[4] = {0}, rest = 1;

@@ -3,7 +3,8 @@
  * A record is uint32 type, uint32 bytes, and the bytes. Adobe's 0xADBE0003 is a uint32: the directions of x, y and z for
  * positions, rotations and SH. 1 LDB, 2 RDB, 3 LUB, 4 RUB, 5 LDF, 6 RDF, 7 LUF, 8 RUF (left or right, down or up, back or
  * front). 9 LFD, 10 RFD, 11 LFU, 12 RFU, 13 LBD, 14 RBD, 15 LBU, 16 RBU have a quarter turn about x, so that y is front or
- * back and z down or up. 0, or no record: RUB. Left or right mirrors the numbers, not the scene. */
+ * back and z down or up. 0, or no record: RUB. Where x points left, only the numbers change their signs: the scene isn't
+ * mirrored. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_scene.h"
@@ -56,8 +57,8 @@ td_spz_axes td_spz_axes_of(uint32_t system) {
     return (td_spz_axes){{right, down, front}, 0};
 }
 
-/* The sign of coefficient k. In band l, m runs from -l to l. Powers of z are odd if l + m is odd, powers of y if m < 0, and
- * powers of x follow from the rest of m. */
+/* The sign of coefficient k. In band l, m runs from -l to l. The coefficient is odd in z if l + m is odd, odd in y if m < 0,
+ * and odd in x if |m|, less 1 where m < 0, is odd. */
 float td_spz_harmonic_sign(const double flips[3], size_t k) {
     int l = 0;
     while ((size_t)((l + 1) * (l + 1)) <= k) l++;

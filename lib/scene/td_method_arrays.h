@@ -14,7 +14,8 @@ tides_status td_dyn3dgs_open(const td_model_dir *dir, td_gaussians *gaussians, t
 tides_status td_freetime_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 tides_status td_frames_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 
-/* Checks the motion against the Gaussians. On failure it frees both, and sets neither `gaussians` nor `motion`. */
+/* If `status`, the reader's so far, is TIDES_OK, it checks the Gaussians `made` and the motion `moves` against each other, and
+ * hands both over. On failure it frees both, and sets neither `gaussians` nor `motion`. `path` is for messages. */
 tides_status td_arrays_finish(tides_status status, const char *path, td_gaussians *made, tides_motion *moves,
                               td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 

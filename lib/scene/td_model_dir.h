@@ -8,15 +8,15 @@
 
 enum {
     TD_METHOD_INRIA,      /* point_cloud/iteration_N/point_cloud.ply: at rest */
-    TD_METHOD_FOURDGS,    /* 4DGaussians: deformation.pth beside that .ply */
+    TD_METHOD_FOURDGS,    /* 4DGaussians: deformation.pth beside point_cloud.ply */
     TD_METHOD_DEFORMABLE, /* Deformable-3D-Gaussians: deform/iteration_N/deform.pth */
-    TD_METHOD_STG,        /* SpacetimeGaussians: trbf_center in that .ply; point_cloud.pt beside it unless lite */
+    TD_METHOD_STG,        /* SpacetimeGaussians: trbf_center in point_cloud.ply; point_cloud.pt beside it unless lite */
     TD_METHOD_FUDAN4D,    /* fudan's 4d-gaussian-splatting: chkpntN.pth, no .ply */
     TD_METHOD_DYN3DGS,    /* Dynamic3DGaussians: params.npz */
     TD_METHOD_FRAMES,     /* gaussian_pertimestamp/time_NNNNN.ply: one plain .ply per time */
-    TD_METHOD_EX4DGS,     /* xyz_disp_0 in that .ply, dynamic_point_cloud.ply beside it */
+    TD_METHOD_EX4DGS,     /* xyz_disp_0 in point_cloud.ply, dynamic_point_cloud.ply beside it */
     TD_METHOD_GSPLAT,     /* gsplat's ckpt_N_rank0.pt: at rest */
-    TD_METHOD_FREETIME,   /* the same with times, durations, velocities */
+    TD_METHOD_FREETIME,   /* FreeTimeGS: gsplat's file with arrays of times, durations, velocities */
     TD_METHODS
 };
 

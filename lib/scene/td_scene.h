@@ -39,13 +39,12 @@ struct tides_scene {
     double up[3]; /* zeros: unknown */
     char *notes;  /* NULL, or lines with "\n" between them */
     int64_t dropped;
-    int32_t drop;     /* while a file is read: 1: bad Gaussians are left out; -1: none can be, since a motion has their rows */
+    int32_t drop; /* while a file is read: 1: bad Gaussians are left out; -1: none may be, since a motion has a row for each */
     const char *part; /* NULL, or the part of the file being read that is wanted */
 };
 
-/* Largest size of means in the world, and of colour coefficients. Single precision has to hold squares of distances: 3
- * (1e18)^2 is a hundredth of its range. It also has to hold sums of 25 coefficients times rates, which may then reach 1e18
- * per second. */
+/* Largest size of means in the world, and of colour coefficients. Single precision must hold squares of distances: 3 (1e18)^2
+ * is a hundredth of its range. It must also hold sums of 25 coefficients times rates, where rates may reach 1e18 per second. */
 #define TD_VALUE_MOST 1e18
 
 /* Converts to float; infinite beyond float's range, where a cast would be undefined. */

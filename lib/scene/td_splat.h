@@ -24,7 +24,8 @@ tides_status td_splat_parse(const char *path, const void *data, size_t size, td_
 int td_lcc_is(const char *path); /* 1 if the file's name ends in .lcc */
 tides_status td_lcc_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
 tides_status td_lcc_files(const char *path, const char *part, td_folder *files, tides_error *error);
-/* LCC2, by its .lcc2, and its files: as LCC (lcc2.c). */
+/* Reads LCC2 from its .lcc2, at level of detail `part` (NULL: the finest). td_lcc2_files lists the files of Gaussians, beside
+ * it or below, that are read. */
 int td_lcc2_is(const char *path);
 tides_status td_lcc2_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
 tides_status td_lcc2_files(const char *path, const char *part, td_folder *files, tides_error *error);
@@ -113,7 +114,8 @@ typedef struct td_spz_axes {
 } td_spz_axes;
 td_spz_axes td_spz_axes_of(uint32_t system);
 
-/* The sign of SH coefficient k (INRIA's order) under such signs of axes; and the quarter turn of Gaussians, if needed. */
+/* td_spz_harmonic_sign: the sign of SH coefficient k (in the order of INRIA's 3DGS) if axes change signs by `flips`.
+ * td_spz_turn: turns the Gaussians by the quarter turn, if the axes have one. */
 float td_spz_harmonic_sign(const double flips[3], size_t k);
 tides_status td_spz_turn(const td_spz_axes *axes, td_gaussians *gaussians, tides_error *error);
 
