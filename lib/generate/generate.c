@@ -14,7 +14,7 @@
 #define FOCAL_PER_WIDTH (300.0 / 346.0) /* focal length per width: 60 degrees across */
 
 typedef struct kind {
-    tides_generator shown;
+    tides_generator shown; /* name, summary, what is counted, default and largest count, Gaussians of each, duration [s] */
     tides_status (*make)(const tides_generate_options *options, tides_world *world, tides_error *error);
     double background[3];
     double up; /* y of the scene's up direction; 0: unknown, as for a wall alone */
