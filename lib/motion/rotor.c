@@ -130,7 +130,7 @@ static tides_status pack_geometry(const tides_motion *motion, const rotor_fields
     row[TD_ROTOR_CENTRE] = fields->centre->value[i];
     if (fine) row[TD_ROTOR_NARROWNESS] = 1 / sqrt(2 * (variance + (prefilter > 0 ? prefilter : 0)));
     row[TD_ROTOR_OPACITY] = td_sigmoid(gaussians->opacity_logit[i]);
-    /* The kernel squares these in single precision. */
+    /* The kernel squares these in single precision, whose largest number is 3e38. */
     for (int k = 0; k < TD_ROTOR_TURN; k++) fine = fine && fabs(row[k]) < 1e18;
     if (fine) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE,
