@@ -157,7 +157,7 @@ static void set_bounds(td_image *image, const radius *r) {
         const double farthest = 1.3 * fmax(fabs(range[2 * k]), fabs(range[2 * k + 1]));
         tilt += farthest * farthest;
     }
-    lens->reach = 2 * lens->stretch * sqrt(1 + tilt) / outer; /* the factor 2 covers a Jacobian on either side of its clamps */
+    lens->reach = 2 * lens->stretch * sqrt(1 + tilt) / outer; /* 2: for clamped Jacobians, too, and others */
     lens->tangential = tangential_size * tangential;
 }
 

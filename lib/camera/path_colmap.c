@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUMBERS = 9, POINT_BYTES = 24 };
+enum { NUMBERS = 9, POINT_BYTES = 24 }; /* an image's numbers: id, q, t, camera; bytes of a point */
 
 typedef struct images {
     td_path_reader *reader;

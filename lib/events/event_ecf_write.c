@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { INDEX_US = 2000 };
+enum { INDEX_US = 2000 }; /* [us] for each entry of the index */
 
 typedef struct index_entry {
     uint64_t id; /* number of an event */

@@ -79,14 +79,14 @@ tides_status td_event_invalid(td_event_stream *stream, tides_status status, tide
 /* Counts events that share a pixel and a tick, where the format's clock is coarse. */
 typedef struct td_event_ticks td_event_ticks;
 
-enum { TD_SINK_HELD = 1 << 14 };
+enum { TD_SINK_HELD = 1 << 14 }; /* bytes that are held before they are written */
 typedef struct td_event_sink {
     char *path, *part;
     int32_t width, height;
     const char *run, *seed;    /* valid during create only */
-    int32_t labels;            /* as in tides_event_file; only for formats with `labels` */
+    int32_t labels;            /* 1: all labels are stored; only for formats with `labels` */
     const int64_t *fired;      /* during write, with labels: times at which events fired; NULL: their own t */
-    int64_t start_ns, stop_ns; /* as in tides_event_file */
+    int64_t start_ns, stop_ns; /* the recording's span; both 0: unknown */
     uint64_t count;            /* events appended */
     tides_event last;
     int32_t has_last;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Largest side of a sensor [px]; neighbours of a pixel; largest value of the anti-flicker filter's 3-bit counter. */
 enum { SIDE_MAX = 65536, NEIGHBOURS = 8, COUNTER_MAX = 7 };
 
 void tides_filters_defaults(tides_filters *filters) {

@@ -16,7 +16,7 @@
 
 /* -- text ----------------------------------------------------------------------------------------------------------------- */
 
-enum { COLUMNS = 8, WORD = 64, LINE = 1024 };
+enum { COLUMNS = 8, WORD = 64, LINE = 1024 }; /* columns that are judged; room for a word and for a line [bytes] */
 
 /* Facts about a list of times, column by column. */
 typedef struct times_text {

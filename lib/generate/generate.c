@@ -7,10 +7,10 @@
 #include <pthread.h>
 #include <string.h>
 
-#define LONGEST_S 600.0         /* longer paths should come from files */
-#define FASTEST 1000.0          /* times the kind's own speed */
-#define MOST_GAUSSIANS 20000000 /* 1.1 GB as arrays, and twice that while a file is written */
-#define MOST_PIXELS 8192
+#define LONGEST_S 600.0                 /* longer paths should come from files */
+#define FASTEST 1000.0                  /* times the kind's own speed */
+#define MOST_GAUSSIANS 20000000         /* 1.1 GB as arrays, and twice that while a file is written */
+#define MOST_PIXELS 8192                /* of a side */
 #define FOCAL_PER_WIDTH (300.0 / 346.0) /* focal length per width: 60 degrees across */
 
 typedef struct kind {

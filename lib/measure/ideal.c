@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SETTINGS_MAX = 40, SETTING_BYTES = 80 };
+enum { SETTINGS_MAX = 40, SETTING_BYTES = 80 }; /* settings of a method, and bytes of one's text, at most */
 #define TWO_PI 6.283185307179586
 #define VOLTMETER_QUIET 1e-9 /* least k6, the noise: the original makes no events without any */
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 65536 };
+enum { BATCH = 65536 }; /* events read at once */
 
 typedef struct source {
     const char *path;

@@ -34,6 +34,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* RECORD, RECORD_SH: bytes of a Gaussian, and of its SH. UNIT, RUN: bytes of a unit's x and y, and of one of its runs. */
 enum { RECORD = 32, RECORD_SH = 64, COEFFICIENTS = 16, LEVELS_MAX = 64, UNIT = 4, RUN = 16 };
 
 /* The least and the largest value of an attribute, by axis or by colour channel. Packed numbers are fractions between them. */

@@ -6,7 +6,7 @@
 #include "td_endian.h"
 #include "td_splat.h"
 
-enum { ROW = 32 };
+enum { ROW = 32 }; /* bytes of a Gaussian */
 
 tides_status td_splat_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
     if (size == 0 || size % ROW != 0)

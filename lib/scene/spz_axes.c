@@ -10,6 +10,7 @@
 #include "td_scene.h"
 #include "td_splat.h"
 
+/* RECORD: bytes of a record before its own. SYSTEMS: the last number of axes; those above UNTURNED have a quarter turn. */
 enum { RECORD = 8, RUB = 4, SYSTEMS = 16, UNTURNED = 8 };
 
 /* Other known records: Adobe's on how SH were quantised and where a camera may orbit, and Niantic's place on the earth. */
