@@ -142,9 +142,9 @@ static int check_header_2(const unsigned char *bytes, size_t count) {
     return 1;
 }
 
-/* Checks an object header of version 1 or 2. A block that continues a header of version 1 has messages only. If it begins
- * with a dataspace it looks like a header, except for the dataspace's version (1 or 2) in place of a size that is a
- * multiple of eight. HDF5 may read past a header's end: those bytes belong to something else. */
+/* Checks an object header of version 1 or 2. A block that continues a header of version 1 has messages only. If its first
+ * message is a dataspace, it looks like a header. But where a header has its size, a multiple of eight, such a block has the
+ * dataspace's version, 1 or 2. HDF5 may read past a header's end: those bytes belong to something else. */
 int td_h5_check_header(const unsigned char *bytes, size_t count) {
     enum { PREFIX = 16, SIZE = 8 }; /* bytes of a version 1 header before its messages; position of the size */
     if (count >= 4 && memcmp(bytes, "OHDR", 4) == 0) return check_header_2(bytes, count);

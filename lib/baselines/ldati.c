@@ -36,8 +36,8 @@ static bins share_out(const double *voxels, size_t stride) {
     return made;
 }
 
-/* Slope of the density b + k s over a bin [0, 1), with b = 1 - k / 2 so that its integral is 1: the least-squares slope of
- * the counts of the bin and its neighbours, limited so that the density isn't negative. */
+/* Slope k of the density b + k s of times s in a bin [0, 1), where b = 1 - k / 2 makes its integral 1. It is the least-squares
+ * slope of the counts of the bin and its neighbours, limited so that the density isn't negative. */
 static double density_slope(const bins *at, int k) {
     double before = at->count[k ? k - 1 : k], after = at->count[k + 1 < BINS ? k + 1 : k];
     double span = (k ? 1 : 0) + (k + 1 < BINS ? 1 : 0);

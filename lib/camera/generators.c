@@ -190,8 +190,8 @@ static void shake_axis(const shake *s, int axis, double time, double *value, dou
     }
 }
 
-/* Quaternion of the rotation vector v, and the angular velocity omega in body axes if v has the rate v_dot: omega = v_dot -
- * (1 - cos a)/a^2 v x v_dot + (a - sin a)/a^3 v x (v x v_dot), a = |v| (the right Jacobian of SO(3)). */
+/* Quaternion of the rotation vector v, and the angular velocity omega in body axes if v has the rate v_dot. By the right
+ * Jacobian of SO(3), omega = v_dot - (1 - cos a)/a^2 v x v_dot + (a - sin a)/a^3 v x (v x v_dot), a = |v|. */
 static void exponential(const double v[3], const double v_dot[3], double q[4], double omega[3]) {
     double a = td_length3(v), square = a * a, once[3], twice[3];
     int small = a < 1e-3; /* series: the next terms are below 1e-13 */

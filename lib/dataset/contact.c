@@ -1,5 +1,5 @@
-/* contact.png: an overview, with a row for each camera. It shows the picture in the middle of the sequence, the events around
- * that time, flow, depth and instances, so that a glance tells if the dataset is as intended. */
+/* contact.png: an overview, with a row for each camera, so that a glance tells if the dataset is as intended. A row has the
+ * picture in the middle of the sequence, the events around that time, flow, depth and instances. */
 #include "image/td_truth_range.h"
 #include "td_dataset.h"
 

@@ -1,6 +1,7 @@
 /* The layout of Kubric's point tracks, as EventKubric (Hamann et al. 2025) has them for events. Each camera has
  * annotations.npy, a dict of target_points (tracks x pictures x 2) [px] and occluded (tracks x pictures), which is 1 also
- * outside of the image; events.h5 as in DSEC; frames/%05d.png and timestamps.txt [s]: a picture for each time of the tracks.
+ * outside of the image. Then there is events.h5 in DSEC's format, and frames/%05d.png with timestamps.txt [s]: a picture for
+ * each time of the tracks.
  * The first pixel's centre is at 0.5, as in TAP-Vid. EventKubric's data.hdf5 and its prepared representations aren't
  * written: its loader needs only the annotations of TIDES. */
 #include "td_dataset.h"

@@ -20,8 +20,8 @@
  * seconds, so that the result doesn't depend on the machine's load. */
 #define LONG_RENDERS 500.0
 
-/* For smooth images: the first level's tolerance [thresholds], its default longest step (the lesser of LONGEST_STEP_S, a common
- * frame interval, and the run's length; divided by SPLIT), and the shortest step of any level. */
+/* For smooth images: the first level's tolerance [thresholds], and the shortest step of any level. The first level's longest
+ * step is LONGEST_STEP_S, a common frame interval, or the run's length if that is less, divided by SPLIT. */
 #define FIRST_TOLERANCE 1e-3
 #define LONGEST_STEP_S 0.01
 #define SPLIT 8

@@ -1,4 +1,4 @@
-/* The scale of time on which keyframes move Gaussians. It is the distance of frames, unless fewer frames would do: a slow
+/* The scale of time on which keyframes move Gaussians. It is the distance of frames, unless fewer frames would do. A slow
  * motion in frames at 1 kHz needs no samples at 1 kHz, but a flickering lamp does. */
 #include "td_keyframes.h"
 

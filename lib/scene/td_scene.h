@@ -11,8 +11,8 @@
 typedef struct td_gaussians {
     int64_t count;
     int32_t sh_degree;
-    float *mean, *log_scale, *quaternion, *opacity_logit, *sh;
-    double origin[3];      /* [scene units] means are relative to it */
+    float *mean, *log_scale, *quaternion, *opacity_logit, *sh; /* (N x 3), (N x 3), (N x 4) wxyz, (N), (N x K x 3) */
+    double origin[3];                                          /* [scene units] means are relative to it */
     double *mean_double;   /* NULL, or means in double from a reader, until td_scene_take converts them */
     double up[3];          /* up direction in the file; zeros: unknown */
     int32_t trained;       /* TIDES_TRAINED_* */
