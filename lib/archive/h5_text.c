@@ -21,8 +21,8 @@ enum {
 
 /* An open HDF5 file as bytes, on the disk or in memory. */
 typedef struct file_bytes {
-    int descriptor;
-    const unsigned char *memory;
+    int descriptor;              /* -1: in memory */
+    const unsigned char *memory; /* NULL: on the disk */
     uint64_t size;
 } file_bytes;
 
@@ -90,8 +90,8 @@ static char *text_in_heap(const file_bytes *bytes, uint64_t address, uint64_t in
 typedef struct search {
     const file_bytes *bytes;
     const char *name;
-    size_t most;
-    int found; /* 1: the attribute was found, even if its text couldn't be read */
+    size_t most; /* longest text that is read [bytes] */
+    int found;   /* 1: the attribute was found, even if its text couldn't be read */
     char *text;
 } search;
 

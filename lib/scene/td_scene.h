@@ -53,7 +53,7 @@ static inline float td_narrow(double value) { return value > FLT_MAX ? INFINITY 
 /* Number of coefficients per channel for an SH degree. */
 static inline size_t td_sh_coefficients(int32_t degree) { return (size_t)(degree + 1) * (size_t)(degree + 1); }
 
-/* Converts a colour to the constant SH coefficient dc, and back: colour = 1/2 + C0 dc. */
+/* Converts a colour to the constant SH coefficient dc, and back: colour = 1/2 + dc / (2 sqrt(pi)). */
 float td_splat_dc(double colour);
 double td_splat_colour(double dc);
 
