@@ -255,7 +255,8 @@ tides_status tides_trajectory_create_handheld(const tides_handheld *handheld, ti
     if (!td_all_finite(numbers, sizeof numbers / sizeof *numbers) || !(h->frequency > 0.0) || !(h->position_amplitude >= 0.0))
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "handheld: frequency must be above 0, amplitudes at least 0, all values finite");
-    if (!(h->rotation_amplitude >= 0.0 && h->rotation_amplitude <= 0.5)) /* its peaks are three times as large */
+    if (!(h->rotation_amplitude >= 0.0 &&
+          h->rotation_amplitude <= 0.5)) /* the peaks of the rotation are three times as large */
         return td_fail(error, TIDES_BAD_ARGUMENT, "handheld: rotation_amplitude is %g rad; a hand's lies between 0 and 0.5",
                        h->rotation_amplitude);
     shake s = {.handheld = handheld};
