@@ -134,7 +134,7 @@ enum { END = 256, LONGEST = 285, LONGEST_BYTES = 258 }; /* symbols: end, and the
 
 /* Writes length 0 for the next `count` symbols, which don't occur. */
 static void put_unused(bits *b, unsigned count) {
-    enum { FEW = 3, MANY = 11, MOST = 138 };
+    enum { FEW = 3, MANY = 11, MOST = 138 }; /* the least numbers of both repetitions, and the largest of all */
     for (unsigned some; count > 0; count -= some) {
         some = count < FEW ? 1 : count < MOST ? count : MOST;
         if (count < FEW)
@@ -148,7 +148,7 @@ static void put_unused(bits *b, unsigned count) {
 
 /* Begins a block: writes the number of codes, up to `last_code`, and the code lengths of the code lengths. */
 static void put_head(bits *b, int last, unsigned last_code) {
-    enum { LENGTHS = 18, DYNAMIC = 2 };
+    enum { LENGTHS = 18, DYNAMIC = 2 }; /* code lengths that are given; the type of a block with codes of its own */
     /* for the symbols 16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1 */
     static const unsigned char lengths[LENGTHS] = {0, 2, 2, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 3};
     put_bits(b, (unsigned)last | DYNAMIC << 1, 3);
@@ -171,7 +171,7 @@ static size_t put_end(bits *b, int last) {
  * in bytes, 0 if it fails. Neighbouring planes of one kind are passed as the first one, with the bytes of all. */
 
 static size_t put_noise(const plane *p, int last, unsigned char *to, size_t room) {
-    enum { MOST = 65535, HEAD = 5 };
+    enum { MOST = 65535, HEAD = 5 }; /* bytes of a stored block at most, and of its head */
     size_t at = 0;
     for (size_t done = 0, some; done < p->count; done += some) {
         some = p->count - done < MOST ? p->count - done : MOST;
@@ -245,7 +245,7 @@ static size_t put_two(const plane *p, int last, unsigned char *to, size_t room) 
 
 /* Writes a plane by runs. Blocks of 2048 codes make it smaller than blocks of 16384, and are faster. */
 static size_t put_runs(const plane *p, int last, unsigned char *to, size_t room) {
-    enum { LEVEL = 1, RAW = -15, MEMORY = 5 };
+    enum { LEVEL = 1, RAW = -15, MEMORY = 5 }; /* zlib's: no head, window of 2^15 bytes; 2^(MEMORY + 6) codes to a block */
     z_stream stream = {0};
     if (deflateInit2(&stream, LEVEL, Z_DEFLATED, RAW, MEMORY, Z_RLE) != Z_OK) return 0;
     stream.next_in = (Bytef *)(uintptr_t)p->bytes; /* zlib only reads it */
@@ -288,7 +288,7 @@ static size_t put_planes(const plane *p, size_t planes, size_t *taken, unsigned 
 }
 
 size_t td_deflate_planes(const unsigned char *bytes, size_t count, size_t planes, unsigned char *to, size_t room) {
-    enum { HEAD = 2, CHECK = 4 };
+    enum { HEAD = 2, CHECK = 4 }; /* bytes of zlib's head and of its checksum */
     size_t at = HEAD, taken;
     plane p[TD_DEFLATE_PLANES];
     if (room < HEAD + CHECK || planes > TD_DEFLATE_PLANES) return 0;

@@ -226,5 +226,5 @@ void td_h5_close(hid_t id) {
     if (id < 0) return;
     hid_t stack = H5Eget_num(H5E_DEFAULT) > 0 ? H5Eget_current_stack() : H5I_INVALID_HID;
     close_any(id);
-    if (stack >= 0) H5Eset_current_stack(stack); /* it takes over the copy */
+    if (stack >= 0) H5Eset_current_stack(stack); /* HDF5 frees the copy */
 }

@@ -32,7 +32,7 @@ int td_h5_check_superblock(td_h5_disk *disk) {
 /* Follows the list of free blocks: each begins with the offset of the next one (1: none) and its own size. A list with more
  * blocks than fit has a circle: damaged. */
 static int check_free_blocks(const unsigned char *data, uint64_t size, uint64_t at) {
-    enum { BLOCK = 16 };
+    enum { BLOCK = 16 }; /* bytes of the two numbers at a block's beginning */
     for (uint64_t most = size / BLOCK; at != 1; most--) {
         if (most == 0 || size < BLOCK || at > size - BLOCK) return 0;
         uint64_t length = td_le64(data + at + 8);
@@ -83,7 +83,7 @@ int td_h5_check_tree(const td_h5_disk *disk, const unsigned char *bytes, size_t 
 
 /* The bits of a whole number must lie within its bytes: HDF5 converts bit by bit, without a check of its own. */
 static int check_type(const unsigned char *message, size_t count) {
-    enum { LENGTH = 12, WHOLE = 0, BITFIELD = 4 };
+    enum { LENGTH = 12, WHOLE = 0, BITFIELD = 4 }; /* bytes of such a type; classes of types */
     if (count < LENGTH || ((message[0] & 15) != WHOLE && (message[0] & 15) != BITFIELD)) return 1;
     const uint64_t bits = 8 * td_le_number(message + 4, 4), offset = td_le16(message + 8), precision = td_le16(message + 10);
     return precision > 0 && offset + precision <= bits;
@@ -91,6 +91,7 @@ static int check_type(const unsigned char *message, size_t count) {
 
 /* No extent of a chunk, nor its last number (the bytes of a value), may be 0: HDF5 divides by them. */
 static int check_layout(const unsigned char *message, size_t count) {
+    /* HEAD, EACH: bytes before the extents, and of an extent. LEAST: a dimension, and the bytes of a value. */
     enum { VERSION = 3, CHUNKED = 2, HEAD = 11, EACH = 4, LEAST = 2 };
     if (count < HEAD || message[0] != VERSION || message[1] != CHUNKED) return 1;
     const size_t dimensions = message[2];
@@ -102,13 +103,13 @@ static int check_layout(const unsigned char *message, size_t count) {
 
 /* Checks a message that holds a type or a layout itself. */
 static int check_message(int kind, int flags, const unsigned char *message, size_t length) {
-    enum { SHARED = 2, TYPE = 3, LAYOUT = 8 };
+    enum { SHARED = 2, TYPE = 3, LAYOUT = 8 }; /* a flag; kinds of messages */
     if (flags & SHARED) return 1;
     return kind == TYPE ? check_type(message, length) : kind != LAYOUT || check_layout(message, length);
 }
 
 static int check_messages(const unsigned char *bytes, size_t count, size_t at) {
-    enum { HEAD = 8 };
+    enum { HEAD = 8 }; /* bytes before a message's own */
     while (at <= count && count - at >= HEAD) {
         const unsigned char *message = bytes + at;
         const size_t length = (size_t)td_le16(message + 2);
@@ -122,7 +123,7 @@ static int check_messages(const unsigned char *bytes, size_t count, size_t at) {
 /* A header of version 2 has a checksum, which finds damage by chance, but not a file made to do harm. A block that
  * continues such a header (OCHK) isn't checked: the length of its messages' heads isn't stored in it. */
 static int check_header_2(const unsigned char *bytes, size_t count) {
-    enum { FLAGS = 5, PREFIX = 6, TIMES = 16, PHASES = 4, ORDER = 2 };
+    enum { FLAGS = 5, PREFIX = 6, TIMES = 16, PHASES = 4, ORDER = 2 }; /* position of the flags; bytes of the other parts */
     if (count < PREFIX || bytes[4] != 2) return 1;
     const int flags = bytes[FLAGS];
     const size_t wide = (size_t)1 << (flags & 3), head = 4 + (flags & 4 ? ORDER : 0);
@@ -141,11 +142,11 @@ static int check_header_2(const unsigned char *bytes, size_t count) {
     return 1;
 }
 
-/* Checks an object header of version 1 or 2. A block that continues a header of version 1 has messages only. If it begins
- * with a dataspace it looks like a header, except for the dataspace's version (1 or 2) in place of a size that is a
- * multiple of eight. HDF5 may read past a header's end: those bytes belong to something else. */
+/* Checks an object header of version 1 or 2. A block that continues a header of version 1 has messages only. If its first
+ * message is a dataspace, it looks like a header. But where a header has its size, a multiple of eight, such a block has the
+ * dataspace's version, 1 or 2. HDF5 may read past a header's end: those bytes belong to something else. */
 int td_h5_check_header(const unsigned char *bytes, size_t count) {
-    enum { PREFIX = 16, SIZE = 8 };
+    enum { PREFIX = 16, SIZE = 8 }; /* bytes of a version 1 header before its messages; position of the size */
     if (count >= 4 && memcmp(bytes, "OHDR", 4) == 0) return check_header_2(bytes, count);
     if (count < PREFIX || memcmp(bytes, "OCHK", 4) == 0) return 1;
     const uint64_t size = td_le_number(bytes + SIZE, 4);

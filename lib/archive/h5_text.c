@@ -21,8 +21,8 @@ enum {
 
 /* An open HDF5 file as bytes, on the disk or in memory. */
 typedef struct file_bytes {
-    int descriptor;
-    const unsigned char *memory;
+    int descriptor;              /* -1: in memory */
+    const unsigned char *memory; /* NULL: on the disk */
     uint64_t size;
 } file_bytes;
 
@@ -63,7 +63,7 @@ static unsigned char *take(const file_bytes *bytes, uint64_t at, uint64_t size) 
 
 /* The text in object `index` of the heap at `address`. */
 static char *text_in_heap(const file_bytes *bytes, uint64_t address, uint64_t index, uint64_t length) {
-    enum { HEAD = 16, OBJECT = 16 };
+    enum { HEAD = 16, OBJECT = 16 }; /* bytes of a heap's head, and of an object's */
     unsigned char *head = take(bytes, address, HEAD), *heap = NULL;
     uint64_t size = head && memcmp(head, "GCOL\1", 5) == 0 ? td_le64(head + 8) : 0;
     free(head);
@@ -90,8 +90,8 @@ static char *text_in_heap(const file_bytes *bytes, uint64_t address, uint64_t in
 typedef struct search {
     const file_bytes *bytes;
     const char *name;
-    size_t most;
-    int found; /* 1: the attribute was found, even if its text couldn't be read */
+    size_t most; /* longest text that is read [bytes] */
+    int found;   /* 1: the attribute was found, even if its text couldn't be read */
     char *text;
 } search;
 
@@ -99,7 +99,7 @@ static uint64_t padded(uint64_t size, int version) { return version == 1 ? (size
 
 /* Parses an attribute's message: a head, then name, type, extent and value. Sets `text` if the name is the wanted one. */
 static void look_at_attribute(search *s, const unsigned char *p, uint64_t size) {
-    enum { LENGTH = 4, ADDRESS = 8, INDEX = 4, VLEN = 9, STRING = 1 };
+    enum { LENGTH = 4, ADDRESS = 8, INDEX = 4, VLEN = 9, STRING = 1 }; /* bytes of the value's three numbers; class and kind */
     int version = size >= 9 ? p[0] : 0;
     if (version < 1 || version > 3 || (version > 1 && p[1] != 0)) return; /* shared types (versions 2 and 3) aren't followed */
     uint64_t name = td_le16(p + 2), type = td_le_number(p + 4, 2), extent = td_le_number(p + 6, 2), head = version == 3 ? 9 : 8;
@@ -148,7 +148,7 @@ static void look_at_block(search *s, header *h, const unsigned char *p, uint64_t
 
 /* Finds where the messages of the object at `at` begin. */
 static int begin(const file_bytes *bytes, uint64_t at, header *h) {
-    enum { PROLOGUE = 16, TIMES = 16, PHASES = 4 };
+    enum { PROLOGUE = 16, TIMES = 16, PHASES = 4 }; /* bytes of a header's parts */
     unsigned char *p = take(bytes, at, PROLOGUE);
     h->count = 0;
     h->version = p && p[0] == 1 ? 1 : p && memcmp(p, "OHDR\2", 5) == 0 ? 2 : 0;

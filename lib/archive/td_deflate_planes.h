@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-enum { TD_DEFLATE_PLANES = 8 };
+enum { TD_DEFLATE_PLANES = 8 }; /* planes at most: the bytes of the largest value */
 
 /* Packs `planes` <= TD_DEFLATE_PLANES planes of `count` > 0 bytes each into `to`. Returns the number of packed bytes; 0 if
  * `room` is too small or memory is short. */

@@ -43,7 +43,7 @@ herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value);
 int td_h5_read_text(hid_t file, const char *name, char *text, size_t size);
 int td_h5_read_int(hid_t file, const char *name, int64_t *value);
 
-/* Fails if the dataset needs a filter whose plugin is missing (the error says how to get it) or that is unsafe, or if its
+/* Fails if the dataset needs a filter that is unsafe, or whose plugin is missing (the error says how to get it), or if its
  * chunks exceed 1 GiB. */
 tides_status td_h5_check_filters(const char *path, const char *name, hid_t dataset, tides_error *error);
 

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <zlib.h>
 
+/* Sizes of the end record, and of central and local records without names; the longest comment [bytes]. */
 enum { END_BYTES = 22, CENTRAL_BYTES = 46, LOCAL_BYTES = 30, COMMENT_MAX = 65535 };
 enum { WIDE_EXTRA = 1, WIDE_END_BYTES = 56, LOCATOR_BYTES = 20 }; /* sizes of ZIP64's parts */
 

@@ -18,7 +18,7 @@ typedef struct folded {
 
 /* -- the rest of a large angle (Payne and Hanek 1983) ---------------------------------------------------------------------- */
 
-enum { WORDS = 7, LIMBS = WORDS + 2 };
+enum { WORDS = 7, LIMBS = WORDS + 2 }; /* 32-bit words of 2/pi that are used, and of their product with 64 bits */
 
 /* The bits of 2/pi behind the binary point. */
 static const uint32_t two_per_pi[] = {0xa2f9836e, 0x4e441529, 0xfc2757d1, 0xf534ddc0, 0xdb629599, 0x3c439041, 0xfe5163ab,

@@ -117,5 +117,6 @@ tides_status td_make_new_folder(const char *path, tides_error *error) {
     free(above);
     if (status != TIDES_OK || mkdir(path, 0777) == 0) return status;
     if (errno != EEXIST) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", path, strerror(errno));
-    return td_fail(error, TIDES_WRITE_FAILED, "%s: is there: another is being written, or one died; remove it", path);
+    return td_fail(error, TIDES_WRITE_FAILED,
+                   "%s: is there already: another process is writing it, or an interrupted one left it; then remove it", path);
 }

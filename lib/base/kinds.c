@@ -106,8 +106,8 @@ static int is_wanted(int family, int wanted) {
 /* -- the kinds: the first row that fits is taken ----------------------------------------------------------------------- */
 
 typedef struct kind {
-    const char *magic; /* NULL: only the ending is compared */
-    size_t bytes, at;
+    const char *magic;  /* NULL: only the ending is compared */
+    size_t bytes, at;   /* length of `magic`, and its position in the file */
     const char *ending; /* NULL: any ending */
     const char *name;
     int family;

@@ -56,7 +56,7 @@ const char *tides_nearest_name(const char *name, const char *const *names) {
 }
 
 const char *td_suggest(const char *name, const char *list, const char *separators, char text[TD_SUGGESTION_MAX]) {
-    enum { NAMES = 64, BYTES = 1024 };
+    enum { NAMES = 64, BYTES = 1024 }; /* names that are compared at most; bytes of the longest list */
     char copy[BYTES];
     const char *names[NAMES + 1] = {NULL};
     size_t count = 0, length = strlen(list);

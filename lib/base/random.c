@@ -63,7 +63,7 @@ void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index,
 
 /* -- uniforms -------------------------------------------------------------------------------------------------------------- */
 
-enum { MANTISSA = 52, BIAS = 1023 };
+enum { MANTISSA = 52, BIAS = 1023 }; /* bits of a double's mantissa; what its exponent field adds */
 static const uint64_t bits_of_1 = (uint64_t)BIAS << MANTISSA;
 
 /* A uniform number, (whole + 1/2) / 2^52, which is never 0 or 1. `whole` is the 52 highest bits of `high` and `low`. As the

@@ -1,10 +1,10 @@
-/* Code for processors that have fused multiply-add as an instruction. */
+/* Internal: code for processors that have fused multiply-add as an instruction. */
 #ifndef TD_FUSED_H
 #define TD_FUSED_H
 
 /* The library is built for any x86-64, where each fma() is a call of libm that saves all registers: half of the scalar
- * references' time. Files that use fma() much are compiled a second time between these two lines, and called if the
- * processor has the instruction. The bits are equal: an fma has one correct result (IEEE 754), and nothing is contracted
+ * references' time. Files that use fma() much are compiled a second time between TD_FUSED_BEGIN and TD_FUSED_END. That copy is
+ * called if td_has_fused. The bits are equal: an fma has one correct result (IEEE 754), and nothing is contracted
  * (-ffp-contract) or reordered (tests/kernels/test_fused.c). */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
 #define TD_FUSED

@@ -1,5 +1,5 @@
-/* The common part of all baselines: defaults, checks of frames and parameters, and the order of events, some of which a
- * method may give late. */
+/* The common part of all baselines: defaults, checks of frames and parameters, and sorting of events, which a method may give
+ * out of order. */
 #include "td_baseline.h"
 
 #include "td_random.h"
@@ -100,7 +100,7 @@ tides_status tides_baseline_create(const tides_baseline_params *params, int32_t 
     tides_baseline_params_defaults(&own);
     tides_status status = TD_TAKE_STRUCT(tides_baseline_params, &own, params, error);
     if (status != TIDES_OK) return status;
-    if (own.sensor.size != sizeof own.sensor) /* otherwise all fields behind it would be at other offsets */
+    if (own.sensor.size != sizeof own.sensor) /* a sensor of another size would shift all fields behind it */
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_baseline_params: sensor.size is %u, not %zu: fill the struct with tides_baseline_params_defaults "
                        "first",
@@ -156,7 +156,7 @@ static tides_status check_frame(const tides_baseline *b, double now, const doubl
     if (b->frames && !(now > b->now))
         return td_fail(error, TIDES_BAD_ARGUMENT, "frame %llu: its time %.15g s isn't after the one before, %.15g s",
                        (unsigned long long)b->frames, b->epoch + now, b->epoch + b->now);
-    /* it works with logarithms, which may be negative */
+    /* with hdr, v2e's frames are logarithms, which may be negative */
     const int any_sign = b->params.method == TIDES_METHOD_V2E && b->params.v2e.hdr;
     for (size_t i = 0, values = td_baseline_values(b); i < values; i++)
         if (!isfinite(Y[i]) || (Y[i] < 0 && !any_sign))
@@ -185,7 +185,7 @@ tides_status td_baseline_push(tides_baseline *b, double time, double offset, con
     b->now = now;
     status = b->frames ? b->method->step(b, Y, error) : b->method->first(b, Y, error);
     b->frames++;
-    /* Events of later frames have stamps from this frame's time less `late_s` on. */
+    /* No later frame gives an event that is more than `late_s` before this frame's time. */
     return status == TIDES_OK ? give(b, td_baseline_ns(now - b->method->late_s), sink, user, error) : status;
 }
 

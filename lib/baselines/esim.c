@@ -8,8 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* rpg_esim's constants [log units]: a pixel with a smaller change of L is skipped, and randomly drawn thresholds are clamped
- * to at least the second. */
+/* rpg_esim's constants [log units]: the change of L up to which a pixel is skipped, and the least randomly drawn threshold. */
 #define LEAST_CHANGE 1e-6
 #define LEAST_THRESHOLD 0.01
 
@@ -113,5 +112,5 @@ const td_method td_esim = {"esim", create, first, step, NULL, destroy, 0.0, 0};
 
 double tides_esim_next_time(const tides_esim *esim, double time, double fastest) {
     double longest = 1.0 / esim->minimum_framerate, wanted = esim->adaptive_sampling_lambda / fastest;
-    return time + (wanted < longest ? wanted : longest); /* also if the rate is 0 */
+    return time + (wanted < longest ? wanted : longest); /* if nothing changes, `wanted` is infinite */
 }

@@ -11,13 +11,13 @@
 /* IEBCS's largest latency [us], and the light for which `tau` is given [lux]. */
 #define LATENCY_MAX_US 10000.0
 #define TAU_LUX 1e3
-/* More events of a pixel in one frame mean nonsensical parameters, and would fill the memory. */
+/* Largest number of events of a pixel in one frame. More mean nonsensical parameters, and would fill the memory. */
 enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
 
 typedef struct pixel {
     double v;         /* voltage at the last frame [log units] */
     double reference; /* [log units] */
-    double ready_us;  /* end of the refractory period; infinite if it never ends */
+    double ready_us;  /* end of the refractory period; infinite if the pixel isn't in one */
     double on, off;   /* thresholds of the next event [log units] */
     uint64_t draws;
 } pixel;
@@ -101,8 +101,8 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
 
 /* State of a pixel within its interval. */
 typedef struct cursor {
-    double at_us, stop_us; /* time of v; end of the interval */
-    double light, tau_us;  /* the log of light that v approaches; time constant */
+    double at_us, stop_us; /* time at which the pixel has the voltage v; end of the interval */
+    double light, tau_us;  /* logarithm of light that v approaches; its time constant */
 } cursor;
 
 static double relaxed(const cursor *c, double v, double until_us) {

@@ -67,7 +67,8 @@ static tides_status run_bottleneck(tides_baseline *b, td_arbiter *a, double stop
     return status;
 }
 
-/* Counts the waiting events of `row` that happened by (or, strictly, before) the clock; with `give`, reads them out. */
+/* Counts the waiting events of `row` up to the time `before_us`; with `strictly` without those at this time. With `give` it
+ * also reads them out. */
 static tides_status sweep_row(tides_baseline *b, td_arbiter *a, int32_t row, double before_us, int strictly, int give,
                               size_t *count, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -98,7 +99,8 @@ static tides_status run_rows(tides_baseline *b, td_arbiter *a, double stop_us, t
     return status;
 }
 
-/* Reads out one row per clock, in turn, while any event waits. A frame's events wait from its start on, as in the original. */
+/* Reads out the rows in turn, one per clock, while any event waits. If a frame has events, the clock runs from the frame's
+ * start on, as in the original. */
 static tides_status run_synchronous(tides_baseline *b, td_arbiter *a, double start_us, double stop_us, tides_error *error) {
     double period = b->params.iebcs.arbiter_us, from = fmax(start_us, a->clock_us);
     tides_status status = TIDES_OK;

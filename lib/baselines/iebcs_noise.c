@@ -15,7 +15,7 @@ void td_iebcs_noise_free(td_iebcs_noise *noise) {
     free(noise->draws);
 }
 
-/* The rate of a bin [Hz]. */
+/* The rate of a bin [Hz]: 1 to 9 times 10^-3 in the first nine bins, then those times 10^-2, and so on. */
 static double bin_rate(int bin) {
     int decade = bin / 9 - 3;
     return (bin % 9 + 1) * td_pow(10.0, decade);

@@ -15,13 +15,13 @@ enum { PLANES = TIDES_LDATI_PLANES, BINS = PLANES - 1, EVENTS_PER_BIN_MAX = 1 <<
 /* The bins of a pixel, for one polarity. */
 typedef struct bins {
     double count[BINS];
-    /* Place in its bin, in [0, 1), of an only event. It is the debt that the bin leaves, which equals the event's weight in
-     * the next plane if voxels were made by linear interpolation. */
+    /* Place in the bin, in [0, 1), of its event if it has just one. It is what rounding up added to the bin. If voxels were
+     * made by linear interpolation, it equals the event's weight in the next plane. */
     double first[BINS];
 } bins;
 
-/* Whole numbers of events per bin. What rounding up adds to a bin is subtracted from the next one. The whole part of the
- * tenth plane goes to the last bin. */
+/* Finds whole numbers of events for the bins. What rounding up adds to a bin is subtracted from the next one. The whole part
+ * of the tenth plane goes to the last bin. An excess of 1e-6 events isn't rounded up: it comes from rounding errors. */
 static bins share_out(const double *voxels, size_t stride) {
     bins made;
     double debt = 0;
@@ -36,8 +36,8 @@ static bins share_out(const double *voxels, size_t stride) {
     return made;
 }
 
-/* Slope of the density b + k s over a bin [0, 1), with b = 1 - k / 2 so that its integral is 1: the least-squares slope of
- * the counts of the bin and its neighbours, limited so that the density isn't negative. */
+/* Slope k of the density b + k s of times s in a bin [0, 1), where b = 1 - k / 2 makes its integral 1. It is the least-squares
+ * slope of the counts of the bin and its neighbours, limited so that the density isn't negative. */
 static double density_slope(const bins *at, int k) {
     double before = at->count[k ? k - 1 : k], after = at->count[k + 1 < BINS ? k + 1 : k];
     double span = (k ? 1 : 0) + (k + 1 < BINS ? 1 : 0);
@@ -124,7 +124,8 @@ static tides_status create(tides_baseline *b, tides_error *error) {
     return td_baseline_range(b, "fps", b->params.ldati.fps, 1e-6, 1e9, error);
 }
 
-/* Handles an interval. Its number is the key of its random numbers, so a part of a sequence gives that part of the events. */
+/* Handles an interval. The key of its random numbers is its number counted from time 0. So a part of a sequence gives the
+ * same events as the whole sequence gives there. */
 static tides_status push(tides_baseline *b, const double *voxels, tides_error *error) {
     const double lasts = td_baseline_lasts(b);
     return fire_interval(b, voxels, b->now, b->now + lasts, (uint64_t)llround(fmax((b->epoch + b->now) / lasts, 0)), error);

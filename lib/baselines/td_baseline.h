@@ -16,7 +16,7 @@ typedef struct td_method {
     tides_status (*step)(tides_baseline *baseline, const double *Y, tides_error *error);
     tides_status (*finish)(tides_baseline *baseline, tides_error *error); /* NULL: the method holds no events back */
     void (*destroy)(void *state);
-    double late_s;  /* events may have times up to this before the frame that makes them [s] */
+    double late_s;  /* longest time by which an event may precede the frame that makes it [s] */
     int32_t planes; /* values per pixel of a frame; 0: luminance only, and a run needs at least two frames */
 } td_method;
 
@@ -43,7 +43,8 @@ size_t td_baseline_values(const tides_baseline *baseline);
 /* Duration of a frame [s]: LDATI's intervals; 0: a frame is an instant. */
 double td_baseline_lasts(const tides_baseline *baseline);
 
-/* tides_baseline_push for a frame at `time` + `offset` [s]. */
+/* Handles a frame at `time` + `offset` [s], as tides_baseline_push does at `time`. A sum of both could lose digits of the
+ * offset. */
 tides_status td_baseline_push(tides_baseline *baseline, double time, double offset, const double *Y, tides_event_sink sink,
                               void *user, tides_error *error);
 

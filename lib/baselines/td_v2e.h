@@ -8,7 +8,7 @@ typedef struct td_v2e_state {
     float *on, *off;      /* thresholds [log units] (pixels) */
     float *leak_factor;   /* (pixels) factor of the leak rate, log-normal around 1 */
     double *level;        /* low-passed logarithm (pixels) */
-    double *reference;    /* (pixels) */
+    double *reference;    /* level from which differences are taken [log units] (pixels) */
     double *noise;        /* low-passed photoreceptor noise [log units] (pixels) */
     float *surround;      /* (pixels) horizontal cells [log units]; NULL without a surround */
     float *scratch;       /* (pixels) next value of the surround */
@@ -23,11 +23,11 @@ typedef struct td_v2e_state {
 /* The value of a frame that v2e reads [DN]. */
 static inline double td_v2e_dn(const tides_v2e *p, double Y) { return 255.0 * Y + p->added_dn; }
 
-/* v2e_surround.c: the diffuser of horizontal cells, from the last frame to this one. */
+/* Diffuses the horizontal cells, state->surround, from the last frame's time to this one's. */
 void td_v2e_surround(const tides_baseline *baseline);
 
-/* Computes an interval's low-passed photoreceptor noise, in state->noise; makes shot noise events at `stop`, after which a
- * pixel's reference equals its level. */
+/* td_v2e_photoreceptor_noise computes state->noise for the interval. td_v2e_shot_noise makes noise events at the interval's
+ * end; then such a pixel's reference equals its level (less the surround). */
 void td_v2e_photoreceptor_noise(tides_baseline *baseline);
 tides_status td_v2e_shot_noise(tides_baseline *baseline, const double *Y, tides_error *error);
 

@@ -29,8 +29,7 @@ static tides_status check(const tides_baseline *b, tides_error *error) {
         return td_fail(error, TIDES_UNSUPPORTED, "sensor: b_min needs coverage, which frames don't have; leave it at 0");
     if (sensor->surround_lambda_px > 0)
         return td_fail(error, TIDES_UNSUPPORTED,
-                       "sensor: surround_lambda_px isn't available on frames, whose steps have no common pieces; leave it at "
-                       "0");
+                       "sensor: surround_lambda_px isn't available on frames, only on scenes; leave it at 0");
     /* The sensor repeats these checks when it is made, at the first frame; here they fail early. */
     td_frontend frontend;
     td_additive_noise noise;

@@ -1,11 +1,8 @@
-/* v2e's event emulator (Hu, Liu, Delbruck, CVPRW 2021). All events of a frame are at common times, whose number is that of
- * the pixel with the most events.
+/* v2e's event emulator (Hu, Liu, Delbruck, CVPRW 2021). All pixels share the event times of a frame: its interval is divided
+ * into as many parts as the pixel with the most events has events.
  *
  * Logarithms, thresholds, references and differences are single precision, because the method takes floor(difference /
- * threshold): only with v2e's own rounding are the same events made.
- *
- * Logarithms, thresholds, references and differences are single-precision, because floor(difference / threshold) is the
- * method: where v2e's own rounding decides, ours decides alike. */
+ * threshold): only with v2e's own rounding are the same events made. */
 #include "td_v2e.h"
 
 #include "td_math.h"
@@ -18,7 +15,7 @@
 #define LINEAR_DN 20.0
 /* Lower bound of randomly drawn thresholds [log units]. */
 #define LEAST_THRESHOLD 0.01f
-/* More events of a pixel in one frame can't come from a picture, and would fill the memory. */
+/* Largest number of events of a pixel in one frame. More can't come from a picture, and would fill the memory. */
 enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
 
 static void destroy(void *state) {
@@ -121,7 +118,7 @@ static tides_status create(tides_baseline *b, tides_error *error) {
 
 /* -- signal -------------------------------------------------------------------------------------------------------------- */
 
-/* v2e's signals are single precision unless the photoreceptor is on, whose coefficients make them double. */
+/* v2e's signals are single precision. With a cutoff they are double, since the low-pass multiplies them by doubles. */
 static double rounded(const tides_v2e *p, double value) { return p->cutoff_hz > 0 ? value : (float)value; }
 
 static float signal(const tides_v2e *p, double Y) {
@@ -143,7 +140,8 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
     return TIDES_OK;
 }
 
-/* A one-pole low-pass whose corner depends on intensity. Its step is limited to 1, where it passes everything. */
+/* Applies a one-pole low-pass, whose corner v2e multiplies by (DN + 20) / 275. `part` is limited to 1, which passes
+ * everything. */
 static void photoreceptor(tides_baseline *b, const double *Y) {
     const tides_v2e *p = &b->params.v2e;
     td_v2e_state *s = b->state;
@@ -156,7 +154,7 @@ static void photoreceptor(tides_baseline *b, const double *Y) {
     }
 }
 
-/* Lets the reference fall: pixels at rest fire ON. */
+/* Lets the references fall, so that pixels at rest fire ON events. */
 static void leak(tides_baseline *b) {
     const tides_v2e *p = &b->params.v2e;
     td_v2e_state *s = b->state;

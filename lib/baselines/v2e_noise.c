@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* v2e's shot noise factor: how much less noise a pixel at full intensity has than one in the dark. */
+/* v2e's shot noise factor: the share by which a pixel's noise rate falls from darkness to full intensity. */
 #define SHOT_FALL 0.75
 /* Number of threshold draws that v2e averages for its noise level. */
 enum { LEVEL_DRAWS = 300 };

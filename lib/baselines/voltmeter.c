@@ -13,7 +13,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* More events of a pixel in one frame mean nonsensical parameters. */
+/* Largest number of events of a pixel in one frame. More mean nonsensical parameters. */
 enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
 
 typedef struct voltmeter_state {

@@ -195,7 +195,7 @@ static tides_status find_lens(const reading *r, tides_lens *lens) {
 }
 
 static tides_status find_intrinsics(const reading *r, tides_intrinsics *out) {
-    enum { LARGEST = 16384 };
+    enum { LARGEST = 16384 }; /* pixels of a side */
     double f[4];
     if (!read_list(r->list[0], f, 4)) return bad(r, TIDES_BAD_FILE, "intrinsics must be 4 finite numbers in a list");
     int good = f[0] > 0 && f[1] > 0;

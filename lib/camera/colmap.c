@@ -17,7 +17,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MODELS = 11, PARAMETERS_MAX = 12, BINARY_CAMERA = 24 };
+enum { MODELS = 11, PARAMETERS_MAX = 12, BINARY_CAMERA = 24 }; /* BINARY_CAMERA: bytes before its parameters */
 
 static const struct {
     const char *name;

@@ -190,8 +190,8 @@ static void shake_axis(const shake *s, int axis, double time, double *value, dou
     }
 }
 
-/* Quaternion of the rotation vector v, and the angular velocity omega in body axes if v has the rate v_dot: omega = v_dot -
- * (1 - cos a)/a^2 v x v_dot + (a - sin a)/a^3 v x (v x v_dot), a = |v| (the right Jacobian of SO(3)). */
+/* Quaternion of the rotation vector v, and the angular velocity omega in body axes if v has the rate v_dot. By the right
+ * Jacobian of SO(3), omega = v_dot - (1 - cos a)/a^2 v x v_dot + (a - sin a)/a^3 v x (v x v_dot), a = |v|. */
 static void exponential(const double v[3], const double v_dot[3], double q[4], double omega[3]) {
     double a = td_length3(v), square = a * a, once[3], twice[3];
     int small = a < 1e-3; /* series: the next terms are below 1e-13 */
@@ -255,7 +255,8 @@ tides_status tides_trajectory_create_handheld(const tides_handheld *handheld, ti
     if (!td_all_finite(numbers, sizeof numbers / sizeof *numbers) || !(h->frequency > 0.0) || !(h->position_amplitude >= 0.0))
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "handheld: frequency must be above 0, amplitudes at least 0, all values finite");
-    if (!(h->rotation_amplitude >= 0.0 && h->rotation_amplitude <= 0.5)) /* its peaks are three times as large */
+    if (!(h->rotation_amplitude >= 0.0 &&
+          h->rotation_amplitude <= 0.5)) /* the peaks of the rotation are three times as large */
         return td_fail(error, TIDES_BAD_ARGUMENT, "handheld: rotation_amplitude is %g rad; a hand's lies between 0 and 0.5",
                        h->rotation_amplitude);
     shake s = {.handheld = handheld};

@@ -21,8 +21,8 @@ static const double right_angle = 1.57079632679489661923;
 static const double beyond_corner = 1.25, least_slope = 0.05;
 /* Beyond this angle [rad] there is no room for a straight continuation. */
 static const double widest = 1.5;
-/* Bounds of the tangential part, for coefficients of size |p| at radius r: the slope is at most 7 |p| r, and twice that on
- * the straight continuation; the size is at most 3 |p| r^2. */
+/* Bounds of the tangential part, for coefficients of size |p| at radius r. The slope is at most 7 |p| r, and twice that on the
+ * straight continuation, so 14. The size is at most 3 |p| r^2. */
 static const double tangential_slope = 14, tangential_size = 3;
 /* Largest error of inverting the lens by the kernels' Newton steps [px]. */
 static const double undone_px = 1e-6;
@@ -157,7 +157,7 @@ static void set_bounds(td_image *image, const radius *r) {
         const double farthest = 1.3 * fmax(fabs(range[2 * k]), fabs(range[2 * k + 1]));
         tilt += farthest * farthest;
     }
-    lens->reach = 2 * lens->stretch * sqrt(1 + tilt) / outer; /* the factor 2 covers a Jacobian on either side of its clamps */
+    lens->reach = 2 * lens->stretch * sqrt(1 + tilt) / outer; /* 2: for clamped Jacobians, too, and others */
     lens->tangential = tangential_size * tangential;
 }
 

@@ -1,6 +1,6 @@
 /* COLMAP's images.txt and images.bin, which hold the poses, with the intrinsics from cameras.txt or cameras.bin beside them.
  *
- * Text: two lines per image, `ID QW QX QY QZ TX TY TZ CAMERA_ID NAME` and one of points, which is skipped (it may be empty);
+ * Text: two lines per image, `ID QW QX QY QZ TX TY TZ CAMERA_ID NAME` and one of points, which is skipped and may be empty.
  * '#' at a line's start is a comment. Binary, little-endian: uint64 count, then {uint32 id, double q[4], double t[3], uint32
  * camera, name ending in 0, uint64 points, 24 bytes for each}. q and t map the world to the camera in OpenCV axes.
  *
@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUMBERS = 9, POINT_BYTES = 24 };
+enum { NUMBERS = 9, POINT_BYTES = 24 }; /* an image's numbers: id, q, t, camera; bytes of a point */
 
 typedef struct images {
     td_path_reader *reader;

@@ -4,7 +4,7 @@
 
 #include "tides/camera.h"
 
-enum { TD_CAMCHAIN_MOST = 16 };
+enum { TD_CAMCHAIN_MOST = 16 }; /* cameras of a chain */
 
 typedef struct td_camchain_camera {
     tides_intrinsics intrinsics; /* pixel centres at halves, as everywhere in TIDES (Kalibr's are at whole numbers) */

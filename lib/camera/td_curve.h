@@ -5,7 +5,7 @@
 
 #include "tides/base.h"
 
-#define TD_CURVE_WIDTH 7
+#define TD_CURVE_WIDTH 7 /* components: position and quaternion */
 
 typedef struct td_knot {
     double time; /* relative to the first knot [s] */

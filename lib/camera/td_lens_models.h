@@ -11,7 +11,7 @@ typedef struct td_lens_model {
     const char *ros;  /* in ROS' sensor_msgs/CameraInfo */
     int count;        /* number of coefficients, in OpenCV's order */
     const char *key[TD_COEFFICIENTS_MAX];
-    size_t field[TD_COEFFICIENTS_MAX]; /* in tides_lens */
+    size_t field[TD_COEFFICIENTS_MAX]; /* byte offset of each coefficient in tides_lens */
 } td_lens_model;
 
 /* The row of a TIDES_LENS_* value; NULL if unknown. */

@@ -28,7 +28,7 @@ typedef struct td_path_view {
 
 typedef struct td_path_reader {
     const char *file; /* for messages */
-    const char *text; /* terminated */
+    const char *text; /* with a NUL at its end */
     size_t bytes;
     const tides_path_options *options;
     td_path_sample *samples;

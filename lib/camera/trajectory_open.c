@@ -31,7 +31,7 @@ static tides_status check_segment(const tides_trajectory *t, size_t i, tides_err
 
 /* Refuses samples so close together that a time could belong to either. */
 static tides_status check_apart(const tides_trajectory *t, size_t from, size_t count, tides_error *error) {
-    enum { SLACKS = 4 };
+    enum { SLACKS = 4 }; /* least distance, in rounding errors of a time */
     for (size_t i = from; i < count; i++) {
         if (i == 0) continue;
         const double after = t->samples[i].time - t->samples[i - 1].time;

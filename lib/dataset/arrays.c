@@ -1,5 +1,5 @@
-/* Arrays in HDF5 files that grow along their first extent, shuffled and deflated. For layouts that store images and times
- * so. */
+/* Arrays in HDF5 files that grow along their first extent: layouts append images, times and events as they are made. Chunks
+ * are shuffled and deflated. */
 #include "td_arrays.h"
 
 #include "archive/td_h5.h"

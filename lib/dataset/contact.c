@@ -1,5 +1,5 @@
-/* contact.png: an overview, with a row for each camera. It shows the picture in the middle of the sequence, the events around
- * that time, flow, depth and instances, so that a glance tells if the dataset is as intended. */
+/* contact.png: an overview, with a row for each camera, so that a glance tells if the dataset is as intended. A row has the
+ * picture in the middle of the sequence, the events around that time, flow, depth and instances. */
 #include "image/td_truth_range.h"
 #include "td_dataset.h"
 
@@ -7,10 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Panels of a row from left to right, and sizes [px]: gap between panels, height of a label, width of a letter. */
 enum { PICTURE, EVENTS, FLOW, DEPTH, INSTANCE, PANELS, GAP = 4, LABEL = 14, LETTER = 6 };
 static const char *const labels[PANELS] = {"picture", "events", "flow", "depth", "instance"};
 
-/* Events are drawn within so many [us] of the middle. */
+/* Events are drawn that are less than this time [us] away from the middle. */
 enum { HALF_WINDOW = 10000 };
 
 /* All panels have the size of the largest camera. Panels that a camera lacks stay dark. */
@@ -60,7 +61,7 @@ static void place(td_writer *w, int panel, const uint8_t *rgb, const char *scale
     const int32_t left = GAP + panel * (c->cell_width + GAP), top = c->row * (c->cell_height + GAP + LABEL) + LABEL;
     char text[80];
     snprintf(text, sizeof text, "%s %s%s", panel == 0 ? w->camera->name : "", labels[panel], scale);
-    /* ends before the next panel's label */
+    /* the label ends before that of the next panel */
     if (c->cell_width / LETTER + 1 < (int32_t)sizeof text) text[c->cell_width / LETTER + 1] = '\0';
     tides_picture_text(c->rgb, c->width, c->height, left, top - LABEL + 3, 1, light, text + (panel != 0));
     for (int32_t y = 0; y < k->height; y++)

@@ -33,9 +33,9 @@ typedef struct job {
     td_kept kept;        /* events kept in `part` while the dataset is incomplete */
     tides_progress progress;
     void *user;
-    double from, width; /* share of the whole that the current stage is */
+    double from, width; /* begin and length of the current stage, as shares of the whole */
     tides_error *error;
-    tides_status status; /* of the layouts, if one stopped the simulator */
+    tides_status status; /* the first failure, which ends all loops */
 } job;
 
 /* Loops over all layouts until one fails. */
@@ -197,7 +197,7 @@ static void simulate(job *j, const td_member *camera) {
     int32_t unseeing = 0;
     const tides_status status = td_kept_events(&j->kept, camera, step, j, take_events, j, &unseeing, &own);
     j->unseeing += status == TIDES_OK && unseeing;
-    if (status == TIDES_OK || j->status != TIDES_OK) return; /* the layout's own failure says more than "stopped" */
+    if (status == TIDES_OK || j->status != TIDES_OK) return; /* a layout failed, and its error says more than "stopped" */
     j->status = status;
     if (j->error) *j->error = own;
 }
@@ -229,7 +229,7 @@ static void give_camera(job *j, const td_member *camera, size_t index) {
     const double share = 1.0 / (double)j->set.count;
     begin_camera(j, camera);
     j->from = share * (double)index;
-    j->width = 0.7 * share; /* most of the time, by measurement */
+    j->width = 0.7 * share; /* events were measured to take most of a camera's time; pictures and ground truth take the rest */
     if (j->status == TIDES_OK && camera->event >= 0) simulate(j, camera);
     give_poses(j, camera);
     give_imu(j, camera);
@@ -252,8 +252,8 @@ static void make(job *j) {
         j->status = td_fail(j->error, TIDES_WRITE_FAILED, "%s: can't be put in place: %s", j->folder, strerror(errno));
 }
 
-/* Ends an incomplete dataset. If it was stopped or the disk was full, events are kept for another try; other failures would
- * come again. */
+/* Ends an incomplete dataset. If it was stopped or couldn't be written (as on a full disk), its events are kept for another
+ * try. After any other failure a second try would fail, too, so all is removed. */
 static void leave(job *j) {
     const int stays = (j->status == TIDES_CANCELLED || j->status == TIDES_WRITE_FAILED) && td_kept_any(&j->kept);
     td_kept_close(&j->kept, stays);

@@ -7,7 +7,7 @@
  *                    ros_time_offset, which is 0 as all times are the run's
  * cam is {ts, pos: {t: {x y z} [m], q: {w x y z}, rpy: {r p y}}}, the camera in the world. The key OBJECT is an object's
  * number in the masks as text; its value is such a pose of the object in the camera. Objects at rest have one, too, since
- * readers compute flow from it. Motion of Gaussians within an object isn't included. Everything is pickled as it comes. */
+ * readers compute flow from it. Motion of Gaussians within an object isn't included. Each value is pickled when it is given. */
 #include "td_evimo.h"
 
 #include "camera/td_rotation.h"

@@ -1,5 +1,5 @@
 /* Exposed pictures by the run's exposure.* keys: light over an exposure time, with a global or rolling shutter, and noise.
- * Colour and luminance come from one exposure, in 8 bits. */
+ * The colour picture and the grey one, both of 8 bits, come from the same exposure. */
 #include "td_dataset.h"
 
 #include <math.h>

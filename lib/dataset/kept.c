@@ -128,7 +128,7 @@ static tides_status simulate(const td_member *camera, const files *names, tides_
 }
 
 static tides_status give(const char *path, tides_event_sink sink, void *user, tides_error *error) {
-    enum { EACH = 1 << 16 };
+    enum { EACH = 1 << 16 }; /* events read at once */
     tides_event_reader *reader = NULL;
     tides_event *events = td_alloc(EACH, sizeof *events, error);
     tides_status status = events ? tides_event_reader_open(path, NULL, &reader, error) : TIDES_NO_MEMORY;

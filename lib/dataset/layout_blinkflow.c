@@ -52,7 +52,7 @@ static tides_status begin(td_writer *w, tides_error *error) {
 }
 
 static tides_status events(td_writer *w, const tides_event *list, size_t count, tides_error *error) {
-    enum { TAKEN = 1024 };
+    enum { TAKEN = 1024 }; /* events written at once */
     tides_event moved[TAKEN];
     tides_status status = TIDES_OK;
     for (size_t i = 0, some = 0; i < count && status == TIDES_OK; i++) {

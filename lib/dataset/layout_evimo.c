@@ -1,6 +1,6 @@
 /* The layout of EVIMO2 v2 in npz form (Burner et al. 2022). Each camera has dataset_events_{t,xy,p}.npy [s, px, 0 or 1],
- * dataset_classical.npz (pictures), dataset_depth.npz [mm, 0: none], dataset_mask.npz (1000 times the object's number plus
- * one; 0: none), and dataset_flow.npz (displacement to the next ground truth [px], NaN: unknown; t, t_end). A plane is named
+ * dataset_classical.npz (pictures), dataset_depth.npz [mm, 0: none], dataset_mask.npz (1000 (k + 1) for object k = 0, 1 ...;
+ * 0: none), and dataset_flow.npz (displacement to the next ground truth [px], NaN: unknown; t, t_end). A plane is named
  * KIND_NUMBER, with the number of its ground truth: 0, 1, 2 and so on, as readers expect. Other pictures are between_NUMBER,
  * by their number among all pictures; t and t_between are the times of both kinds. dataset_info.npz has K, D and meta. Poses
  * are also in poses.txt, `t px py pz qx qy qz qw` of the camera in the world [m]. */
@@ -185,7 +185,7 @@ static tides_status end(td_writer *w, tides_error *error) {
     return status;
 }
 
-/* Refuses scenes with more than 64 objects: masks have 16 bits. */
+/* Refuses scenes with more than 65 objects: the mask of the last one would exceed 16 bits. */
 static tides_status check(const td_dataset *set, tides_error *error) {
     if (td_check_numbers(set, "evimo", error) != TIDES_OK) return TIDES_BAD_CONFIG;
     const int32_t objects = tides_scene_objects(set->cameras[0].facts.scene);

@@ -1,7 +1,8 @@
 /* The layout of Kubric's point tracks, as EventKubric (Hamann et al. 2025) has them for events. Each camera has
  * annotations.npy, a dict of target_points (tracks x pictures x 2) [px] and occluded (tracks x pictures), which is 1 also
- * outside of the image; events.h5 as in DSEC; frames/%05d.png and timestamps.txt [s], the pictures by which tracks are
- * counted. The first pixel's centre is at 0.5, as in TAP-Vid. EventKubric's data.hdf5 and its prepared representations aren't
+ * outside of the image. Then there is events.h5 in DSEC's format, and frames/%05d.png with timestamps.txt [s]: a picture for
+ * each time of the tracks.
+ * The first pixel's centre is at 0.5, as in TAP-Vid. EventKubric's data.hdf5 and its prepared representations aren't
  * written: its loader needs only the annotations of TIDES. */
 #include "td_dataset.h"
 
@@ -30,8 +31,9 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
     return td_plane_write(w->folder, "frames/%05u.png", (unsigned)p->index, w->camera, 8, 3, p->rgb, error);
 }
 
-/* Writes the tracks at the pictures' times, which are whole microseconds. The run ends at the last picture, where its path
- * may end, too, and the rate puts the times there. Numbers are whole, with an exponent, so that no locale changes them. */
+/* Writes the tracks at the pictures' times, which are whole microseconds. A variation of the run begins at the first picture
+ * and ends at the last one. Its tracks.rate_hz gives as many times as there are pictures. The keys' values are whole numbers
+ * with an exponent, so that no locale's decimal point can change them. */
 static tides_status write_tracks(td_writer *w, tides_error *error) {
     const td_dataset *set = w->set;
     char start[64], stop[64], rate[64];

@@ -10,7 +10,7 @@
  *   camchain.yaml   Kalibr's format
  *
  * flow_dist is the displacement [px] of the visible points to the next ground truth, 0 if unknown, in the raw (distorted)
- * image. In spite of the name, MVSEC's own was computed from rectified depth. */
+ * image. MVSEC's own flow_dist was computed from rectified depth, although "dist" means distorted. */
 #include "archive/td_npy.h"
 #include "td_arrays.h"
 #include "td_dataset.h"

@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { CHANNELS_MAX = 64, CHUNK_BYTES = 1 << 22 };
+/* MCAP's numbers of records (opcodes). */
 enum { HEADER = 1, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS = 11, DATA_END = 15 };
 
 static const unsigned char magic[8] = {0x89, 'M', 'C', 'A', 'P', 0x30, '\r', '\n'};

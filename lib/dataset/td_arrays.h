@@ -33,7 +33,7 @@ typedef struct td_array_form {
 tides_status td_array_begin(td_arrays *arrays, const char *name, const td_array_form *form, td_array *array,
                             tides_error *error);
 tides_status td_array_append(td_arrays *arrays, td_array *array, size_t rows, const void *values, tides_error *error);
-/* reads one row */
+/* Reads row number `row`. */
 tides_status td_array_read(td_arrays *arrays, td_array *array, size_t row, void *values, tides_error *error);
 void td_array_end(td_array *array); /* does nothing if it isn't open */
 

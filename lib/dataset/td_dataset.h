@@ -21,7 +21,8 @@ typedef struct td_view {
     int32_t differs;              /* 0: equal to the camera's own view */
 } td_view;
 
-/* Kinds of rectified views: ground truth for event cameras, which are rectified as a pair; pictures for the other cameras. */
+/* Kinds of rectified views: of ground truth, for cameras that make events; of pictures, for cameras that make pictures. The
+ * left and the right camera of a kind are rectified as a pair. */
 enum { TD_TRUTH, TD_PICTURE, TD_KINDS };
 
 /* A camera of the rig. Its session is a variation of the given session. */
@@ -99,8 +100,8 @@ typedef struct td_writer {
  * frees both states in any case. */
 struct td_layout {
     const char *name, *summary;
-    int32_t metric, per_camera;
-    int32_t rectified; /* 1: pictures and ground truth are those of rectified views */
+    int32_t metric, per_camera; /* 1: lengths are in metres, so the run must give a unit's size; each camera has a folder */
+    int32_t rectified;          /* 1: pictures and ground truth are those of rectified views */
     tides_status (*check)(const td_dataset *set, tides_error *error);
     tides_status (*begin)(td_writer *w, tides_error *error);
     tides_status (*events)(td_writer *w, const tides_event *events, size_t count, tides_error *error);
@@ -127,10 +128,10 @@ const td_member *td_find_camera(const td_dataset *set, int kind, int side);
 /* Begin and end of a picture's exposure at `us`, over all rows, in whole microseconds. */
 void td_exposed_between(const td_member *camera, int64_t us, int64_t *from_us, int64_t *to_us);
 
-/* Room for an exposed picture: planes of (pixels) each. */
+/* Room for an exposed picture. A plane has a value per pixel. */
 typedef struct td_exposed {
-    double *light;    /* four planes */
-    uint16_t *values; /* three */
+    double *light;    /* four planes: red, green, blue, luminance [linear light] */
+    uint16_t *values; /* three planes of pixel values */
     uint8_t *rgb;     /* (pixels x 3), result */
     uint8_t *grey;    /* (pixels), result */
 } td_exposed;

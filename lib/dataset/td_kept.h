@@ -17,7 +17,8 @@ typedef struct td_kept {
 TIDES_MUST_CHECK tides_status td_kept_open(td_kept *kept, const char *part, tides_error *error);
 
 /* Gives all events of a camera to the sink: from an existing file of the same run, or simulated into one first (continuing at
- * its checkpoint). `*unseeing` is 1 if the camera had nothing in view. Also TIDES_CANCELLED by the sink. */
+ * its checkpoint). `*unseeing` is 1 if the camera had nothing in view. TIDES_CANCELLED: `progress` or the sink asked to
+ * stop. */
 TIDES_MUST_CHECK tides_status td_kept_events(td_kept *kept, const td_member *camera, tides_progress progress, void *user,
                                              tides_event_sink sink, void *sink_user, int32_t *unseeing, tides_error *error);
 

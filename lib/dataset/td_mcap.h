@@ -19,8 +19,8 @@ typedef struct td_mcap td_mcap;
 /* Begins a file; takes over `path` (NULL: out of memory). */
 tides_status td_mcap_open(char *path, td_mcap **mcap, tides_error *error);
 
-/* Adds a channel of messages in CDR. `schema` is the ros2msg text of `type` ("sensor_msgs/msg/Imu"), and must outlive the
- * mcap. */
+/* Adds a channel of messages, whose bytes are CDR, as ROS 2 encodes them. `schema` defines `type` ("sensor_msgs/msg/Imu") in
+ * the text format of ROS 2, and must outlive the mcap. */
 tides_status td_mcap_channel(td_mcap *mcap, const char *topic, const char *type, const char *schema, int *number,
                              tides_error *error);
 

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { RECORD = 8 };
+enum { RECORD = 8 }; /* bytes of an event */
 
 static const char magic[] = "#!AER-DAT2.0";
 

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { TYPE_CD = 0x0c, TYPE_2D = 0x00, RECORD = 8 };
+enum { TYPE_CD = 0x0c, TYPE_2D = 0x00, RECORD = 8 }; /* types of events that are read; bytes of an event */
 
 #define TURN (INT64_C(1) << 32)
 

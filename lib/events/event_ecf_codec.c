@@ -13,7 +13,7 @@
 
 #include "td_endian.h"
 
-enum { ALL_PACKED = 2, X_PACKED = 1, LONG_STEP = 15 };
+enum { ALL_PACKED = 2, X_PACKED = 1, LONG_STEP = 15 }; /* bits of a chunk's first word; a step's nibble for longer steps */
 
 /* ---- packing ---- */
 

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { INDEX_US = 2000 };
+enum { INDEX_US = 2000 }; /* [us] for each entry of the index */
 
 typedef struct index_entry {
     uint64_t id; /* number of an event */
@@ -22,11 +22,11 @@ typedef struct index_entry {
 typedef struct ecf_writer {
     hid_t file, events, indexes;
     uint64_t rows; /* events in the file */
-    size_t held;
+    size_t held;   /* events in the buffer */
     tides_event buffer[TD_ECF_CHUNK];
     unsigned char packed[TD_ECF_PACKED_MOST];
-    int64_t first; /* [us] */
-    uint64_t index_rows;
+    int64_t first;       /* time of the first event [us] */
+    uint64_t index_rows; /* entries in the file */
     size_t pending_count;
     /* entries that wait for their chunk to fill; entry of the last interval with events */
     index_entry pending[TD_ECF_CHUNK], last;

@@ -8,6 +8,7 @@
 
 #include <string.h>
 
+/* HEADER: bytes. */
 enum { HEADER = 20, KIND_DVS = 1, OVERFLOW_BYTE = 0xff, RESET_BYTE = 0xfe, OVERFLOW_US = 127 };
 
 static const char magic[] = "Event Stream";

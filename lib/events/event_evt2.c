@@ -20,6 +20,7 @@
 
 #include <string.h>
 
+/* COORDINATES: pixels of a side that 11 bits can number. MASK: bits of a mask, so most events of a word. */
 enum { TYPE_OFF = 0, TYPE_ON = 1, TYPE_TIME_HIGH = 8, COORDINATES = 2048, MASK = 32 };
 enum { EVT4_OFF = 0xA, EVT4_ON, EVT4_MASK_OFF, EVT4_MASK_ON, EVT4_TIME_HIGH };
 

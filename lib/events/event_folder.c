@@ -181,7 +181,7 @@ static tides_status open_next(td_event_stream *stream, tides_error *error) {
     const char *path = state->files.files[state->next];
     stream->input.at = state->next++; /* position counted in files */
     state->stream = (td_event_stream){.input = {.path = path}, .reading = stream->reading};
-    state->stream.reading.stream = NULL; /* this option names a stream of the folder, not of the file */
+    state->stream.reading.stream = NULL; /* the option `stream` names a stream of the folder, not of the file */
     snprintf(state->stream.facts.format, sizeof state->stream.facts.format, "%s", state->inner->name);
     state->opened = 1;
     state->dropped = 0;

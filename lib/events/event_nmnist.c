@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { RECORD = 5 };
+enum { RECORD = 5 }; /* bytes of an event */
 
 static uint32_t time_us(const unsigned char *p) { return (uint32_t)(p[2] & 127) << 16 | (uint32_t)p[3] << 8 | p[4]; }
 

@@ -181,8 +181,8 @@ static tides_status check_batch(tides_event_reader *reader, size_t count, size_t
     return status;
 }
 
-/* Sets the zero to the first event; or to the first frame in a list beside the file, if that begins within a second of it,
- * and so has the same clock. */
+/* Sets the zero to the first event, or to the first frame in a list beside the file. The frame counts only within a second of
+ * the first event, since its list may have another clock. */
 static void find_zero(tides_event_facts *facts, const char *path, int64_t first) {
     int64_t frame;
     facts->zero_ns = first;

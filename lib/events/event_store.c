@@ -42,6 +42,7 @@ static hid_t column_memory_type(int column) {
     }
 }
 
+/* Raw bytes of an event: polarity, t, x, y, t_ns; and of its labels: cause, fired, frontend. */
 enum { BYTES_PER_EVENT = 1 + 4 + 2 + 2 + 8, BYTES_OF_LABELS = 1 + 8 + 4 };
 
 static void gather_column(int column, int64_t offset, const tides_event *events, size_t count, void *out) {

@@ -35,7 +35,7 @@ typedef struct hdf5_writer {
     char *tail;
     td_event_store store;
     tides_event *buffer; /* room for TD_EVENT_CHUNK */
-    int64_t *fired;      /* as many, or NULL: the file has no labels */
+    int64_t *fired;      /* room for TD_EVENT_CHUNK; NULL: the file has no labels */
     size_t buffered;
     int32_t failed; /* 1 after a failed write: nothing is written any more */
     int32_t placed; /* 1: t_offset is final, since the recording's span is known or there are events */
@@ -111,8 +111,9 @@ static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
     char *checkpoint = td_format(error, "%s.checkpoint", sink->path);
     status = checkpoint ? td_event_store_create(&w->store, sink->part, &facts, w->offset, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) sink->claim = td_keep_claim(td_h5_descriptor(w->store.file));
-    if (status == TIDES_OK) unlink(w->tail);                  /* it belongs to an earlier run, whose .part was replaced */
-    if (status == TIDES_OK) td_remove_file(checkpoint, NULL); /* of that run, or of the finished file that will be replaced */
+    if (status == TIDES_OK) unlink(w->tail); /* the tail belongs to an earlier run, whose .part was replaced */
+    if (status == TIDES_OK)
+        td_remove_file(checkpoint, NULL); /* the earlier run's, or that of the finished file that will be replaced */
     free(checkpoint);
     return status;
 }

@@ -79,14 +79,14 @@ tides_status td_event_invalid(td_event_stream *stream, tides_status status, tide
 /* Counts events that share a pixel and a tick, where the format's clock is coarse. */
 typedef struct td_event_ticks td_event_ticks;
 
-enum { TD_SINK_HELD = 1 << 14 };
+enum { TD_SINK_HELD = 1 << 14 }; /* bytes that are held before they are written */
 typedef struct td_event_sink {
     char *path, *part;
     int32_t width, height;
     const char *run, *seed;    /* valid during create only */
-    int32_t labels;            /* as in tides_event_file; only for formats with `labels` */
+    int32_t labels;            /* 1: all labels are stored; only for formats with `labels` */
     const int64_t *fired;      /* during write, with labels: times at which events fired; NULL: their own t */
-    int64_t start_ns, stop_ns; /* as in tides_event_file */
+    int64_t start_ns, stop_ns; /* the recording's span; both 0: unknown */
     uint64_t count;            /* events appended */
     tides_event last;
     int32_t has_last;
@@ -135,8 +135,8 @@ typedef struct td_event_format {
     int32_t patches;     /* 1: the writer seeks back (td_sink_patch), so devices and FIFOs can't be written */
     int32_t takes;       /* TD_TAKES_*: options of tides_event_reading that the format uses */
 
-    /* For formats that write bytes for time without events, from time 0 on: the longest gap (0: any), and the error texts for
-     * an event or a start of the recording behind a longer gap. */
+    /* For formats that write bytes for time without events, from time 0 on: the longest gap; 0: any. The texts are the errors
+     * for an event behind a longer gap, and for a recording that starts behind one. */
     int64_t silence_ns;
     const char *silent_event, *silent_start;
 
@@ -193,8 +193,8 @@ tides_status td_event_format_for(const char *path, const td_event_format **forma
 tides_status td_event_check(const td_event_format *format, const td_event_sink *sink, const tides_event *events, size_t count,
                             tides_error *error);
 
-/* Resumes a recording like tides_event_writer_resume. If `last` isn't NULL, event number count - 1 must be equal to it:
- * otherwise TIDES_BAD_FILE, and the file is unchanged. */
+/* Resumes an interrupted recording behind its first `count` events, as tides_event_writer_resume does. If `last` isn't NULL,
+ * event number count - 1 must be equal to it: otherwise TIDES_BAD_FILE, and the file is unchanged. */
 tides_status td_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count, const tides_event *last,
                                     tides_event_writer **writer, tides_error *error);
 

@@ -5,7 +5,7 @@
 #include "td_event_format.h"
 #include "td_event_table.h"
 
-enum { TD_ROW_LINE = 1024 };
+enum { TD_ROW_LINE = 1024 }; /* room for a line, with its NUL [bytes] */
 
 /* The columns of a line. Before a file is opened: the columns of the named format. */
 typedef struct td_event_rows {

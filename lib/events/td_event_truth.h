@@ -10,7 +10,7 @@ typedef tides_status (*td_truth_source)(void *user, const tides_event *events, c
 
 /* Columns that are wanted, and the unit of depths. */
 typedef struct td_truth_columns {
-    uint32_t columns;       /* bits as from td_truth_columns_parse */
+    uint32_t columns;       /* bits 0 to 4: flow_u, flow_v, depth, alpha, instance */
     double metres_per_unit; /* depths become metres; 0: they stay in scene units */
 } td_truth_columns;
 

@@ -7,11 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Largest side of a sensor [px]; neighbours of a pixel; largest value of the anti-flicker filter's 3-bit counter. */
 enum { SIDE_MAX = 65536, NEIGHBOURS = 8, COUNTER_MAX = 7 };
 
 void tides_filters_defaults(tides_filters *filters) {
     *filters = (tides_filters){.size = sizeof *filters, .background_support = 1};
-    filters->activity_period_s = 1e-3; /* as GenX320's window */
+    filters->activity_period_s = 1e-3; /* the window of GenX320 */
     filters->afk_low_hz = 50;
     filters->afk_high_hz = 520;
     filters->afk_cell_px = 4;

@@ -73,7 +73,7 @@ int td_filter_erc(tides_filter *f, const tides_event *event) {
 
 /* -- by the past of a cell or pixel ---------------------------------------------------------------------------------------- */
 
-enum { COUNTER_MAX = 7 };
+enum { COUNTER_MAX = 7 }; /* three bits */
 
 /* Handles a cell's change to the event's polarity. The time since the last change to it counts the cell's counter up if it is a
  * period of flicker, else down; the counter switches the cell's state. */

@@ -75,7 +75,7 @@ static tides_status check(const tides_exposure *e, tides_error *error) {
                        e->full_well_e, e->read_noise_e);
     if (e->read_noise_e > 0 && !(e->full_well_e > 0))
         return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "exposure.read_noise_e: %g electrons of how many isn't known: set exposure.full_well_e",
+                       "exposure.read_noise_e: %g electrons, but not of how many at full scale: set exposure.full_well_e",
                        e->read_noise_e);
     return TIDES_OK;
 }

@@ -16,7 +16,7 @@
 
 /* -- text ----------------------------------------------------------------------------------------------------------------- */
 
-enum { COLUMNS = 8, WORD = 64, LINE = 1024 };
+enum { COLUMNS = 8, WORD = 64, LINE = 1024 }; /* columns that are judged; room for a word and for a line [bytes] */
 
 /* Facts about a list of times, column by column. */
 typedef struct times_text {
@@ -151,7 +151,7 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
         look_through(&t, start);
         status = check_counting(frames, file, &t, error);
         if (status == TIDES_OK) status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, start, &t, error), error);
-        const char *name = td_base_name(file); /* in DSEC and EDS: microseconds */
+        const char *name = td_base_name(file); /* files called as in DSEC and EDS have microseconds */
         const int known = strstr(name, "image_timestamps") || strstr(name, "images_timestamps");
         frames->digits = t.digits < 0 && known ? 3 : t.digits;
         frames->stored = 1;

@@ -1,7 +1,7 @@
 /* Frames of an AEDAT 4 recording (dv, DAVIS cameras), which are beside the events and have their clock: packets of the stream
  * of type FRME. Each is a flatbuffer with the middle of its exposure (taken as its time), begin and end of the exposure,
- * format, size, place, and pixels of 8 bits, grey or blue, green, red. The places of all frames are listed when the file is
- * opened. */
+ * format, size, place, and pixels. Pixels have 8 bits, and are grey or blue, green, red. The places of all frames are listed
+ * when the file is opened. */
 #include "td_frames.h"
 
 #include "archive/td_aedat4_parts.h"

@@ -41,7 +41,7 @@ static tides_status read_slab(tides_frames *frames, size_t index, double *Y, tid
     const hdf5_file *f = frames->state;
     hsize_t start[TD_FRAME_DIMS_MAX] = {0}, count[TD_FRAME_DIMS_MAX], values = td_frames_values(frames);
     hid_t space = H5Dget_space(f->data), memory = H5Screate_simple(1, &values, NULL);
-    /* otherwise there is only one frame */
+    /* selects one frame; a file of a single frame is read as a whole */
     if (shape_of(f->data, count) > 0 && count[0] == frames->count && frames->count > 1) {
         start[0] = index;
         count[0] = 1;

@@ -48,8 +48,8 @@ typedef struct td_picture_values {
 /* Reads a PNG. */
 tides_status td_frame_png(const char *path, td_picture_values *picture, tides_error *error);
 
-/* 1 if a path given alone is one of frames: a video's name, a folder of pictures, an array of three dimensions, or an HDF5
- * file with a dataset of frames. */
+/* 1 if a path without further options is one of frames. It may be a video, a folder of pictures, an array of three dimensions,
+ * or an HDF5 file with a dataset of frames. */
 int td_frames_is(const char *path);
 int td_frames_is_video(const char *path); /* .y4m, or "-" for a pipe */
 

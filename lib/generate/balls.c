@@ -12,7 +12,7 @@
 #define GRAVITY 9.81     /* [m/s^2] */
 #define STIFFNESS 44000. /* [1/s^2]: half a period of this spring is 15 ms */
 #define DAMPING 0.03     /* [s/m] */
-#define DRIFT_RATE 1.3   /* [rad/s]: to and fro on the table */
+#define DRIFT_RATE 1.3   /* [rad/s] of the motion to and fro on the table */
 
 typedef struct bouncing {
     double radius, height, height_dot, time; /* height of the centre; current time */
@@ -46,7 +46,8 @@ static double chance(const tides_generate_options *options, int32_t number, int3
     return td_hash((int32_t)options->seed, number, 100 + which);
 }
 
-/* Throws a ball. The balls have lanes from left to right, the nearer ones lower in the picture. */
+/* Throws a ball. Steps of the golden ratio spread the balls over lanes from left to right. The distance from the camera, the
+ * height and the speed are random. */
 static void throw_ball(const tides_generate_options *options, int32_t number, bouncing *b) {
     static const double z_axis[3] = {0, 0, 1};
     const double lane = ((number * 0.618034) - floor(number * 0.618034)), tilt = PI * chance(options, number, 0);

@@ -1,5 +1,5 @@
-/* A crowd: shapes that fly in front of a wall, in turn rigid objects, polynomials and keyframes. Each rigid one is an object.
- * All Gaussians of the other models share one object and one motion per model, as in trained scenes. */
+/* A crowd: shapes that fly in front of a wall. In turn they move rigidly, by polynomials and by keyframes. Each rigid one is
+ * an object. Each of the other two models is one object, whose motion moves all its Gaussians, as in trained scenes. */
 #include "generate/td_generate.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -10,16 +10,16 @@
 #include <string.h>
 
 #define PI TD_GENERATE_PI
-#define FRAME_S 0.02 /* between keyframes; longer if the run has more than FRAMES_MOST of them */
+#define FRAME_S 0.02 /* [s] between keyframes; longer if the run would have more than FRAMES_MOST of them */
 enum { RIGID, POLYNOMIAL, KEYFRAMES, MODELS, FRAMES_MOST = 64 };
 #define FLIGHT_MOST 1.3     /* [m]: total flight of a polynomial, for any length of the run */
-#define FADE_LOG_WIDTH -1.6 /* ln of the share of the run in which a fading shape is visible */
-#define NO_FADE 60          /* ln: practically for ever */
+#define FADE_LOG_WIDTH -1.6 /* natural logarithm of the share of the run in which a fading shape is visible */
+#define NO_FADE 60          /* the same logarithm for a shape that doesn't fade: e^60 is practically for ever */
 
 typedef struct member {
     int32_t number;
     double centre[3], radius;
-    double reach[3], rate[3], phase[3]; /* to and fro, for rigid ones and keyframes */
+    double reach[3], rate[3], phase[3]; /* motion to and fro of rigid members and of those in keyframes */
     double axis[3], spin;               /* in the world [rad/s] */
     double rest[4];
 } member;
@@ -106,7 +106,8 @@ static tides_status add_rigid(const tides_generate_options *options, int32_t num
     snprintf(name, sizeof name, "thing %d", (int)number);
     const td_part part = {name, build_rigid, &shape, 0, 0};
     tides_trajectory *path = NULL;
-    tides_status status = td_sample_path(pose_at, &m, options, 0.008, &path, error); /* at most 0.13 rad for the fastest */
+    tides_status status =
+        td_sample_path(pose_at, &m, options, 0.008, &path, error); /* at most 0.13 rad of the fastest motion to and fro */
     if (status == TIDES_OK) status = td_part_add(scene, &part, path, m.radius, error);
     tides_trajectory_destroy(path);
     return status;
@@ -266,7 +267,7 @@ static tides_status add_keyframes(const tides_generate_options *options, tides_s
     tides_motion *motion = NULL;
     tides_status status = herd_make(options, KEYFRAMES, &h, error);
     if (status == TIDES_OK) status = keyframe_motion(&h, &motion, error);
-    if (status == TIDES_OK) { /* appearance at the start, for programs that read only the Gaussians */
+    if (status == TIDES_OK) { /* stores the Gaussians as they are at the start, for programs that don't read the motion */
         put_all(&h, 0, h.splats.gaussians.mean, h.splats.gaussians.quaternion);
         status = add_herd(&h, motion, "things in keyframes", scene, error);
     }

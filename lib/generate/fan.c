@@ -10,11 +10,11 @@
 #define PI TD_GENERATE_PI
 
 enum { BLADES = 5 };
-#define FAN_X 0.0
-#define FAN_Y 0.18
-#define FAN_RADIUS 0.78
-#define TURN (-0.38) /* [rad]: to the viewer's left */
-#define TILT (-0.06) /* [rad]: up */
+#define FAN_X 0.0       /* [m] of the hub */
+#define FAN_Y 0.18      /* [m] */
+#define FAN_RADIUS 0.78 /* [m] */
+#define TURN (-0.38)    /* [rad]: to the viewer's left */
+#define TILT (-0.06)    /* [rad]: up */
 
 /* The fan's rotation at rest, Ry(TURN) Rx(TILT); its columns are the fan's axes in the world. */
 static void fan_axes(double rotation[9]) {

@@ -12,8 +12,8 @@
 /* -- plane: a mosaic of cells with different colours and patterns ------------------------------------------- */
 
 enum { CELLS_X = 16, CELLS_Y = 12, PATTERNS = 7 };
-#define PLANE_WIDTH 4.4
-#define PLANE_HEIGHT 3.3
+#define PLANE_WIDTH 4.4  /* [m] */
+#define PLANE_HEIGHT 3.3 /* [m] */
 
 /* 1 if (a, b), in [-1, 1]^2 of a cell, is in the light part of its pattern. */
 static int lit(int32_t pattern, double a, double b) {
@@ -44,7 +44,8 @@ static void plane_surface(const void *shape, double u, double v, double point[3]
 
 static void build_plane(td_splats *splats, const void *seed) { td_splats_cover(splats, plane_surface, seed, 160, 120); }
 
-/* The camera's path: a curve in front of the plane, looking straight at it, at up to 300 px/s at 346 px. */
+/* The camera's path: a curve in front of the plane, looking straight at it. The plane moves by up to 300 px/s in an image of
+ * 346 px width. */
 static void slide(void *shape, tides_pose_sample *sample) {
     static const double along_minus_z[4] = {0, 1, 0, 0}; /* half a turn about x */
     static const double reach[3] = {0.50, 0.28, 0.12}, rate[3] = {2 * PI * 0.7, 2 * PI * 0.9, 2 * PI * 0.5};

@@ -7,14 +7,14 @@
 #include <pthread.h>
 #include <string.h>
 
-#define LONGEST_S 600.0         /* longer paths should come from files */
-#define FASTEST 1000.0          /* times the kind's own speed */
-#define MOST_GAUSSIANS 20000000 /* 1.1 GB as arrays, and twice that while a file is written */
-#define MOST_PIXELS 8192
+#define LONGEST_S 600.0                 /* longer paths should come from files */
+#define FASTEST 1000.0                  /* times the kind's own speed */
+#define MOST_GAUSSIANS 20000000         /* 1.1 GB as arrays, and twice that while a file is written */
+#define MOST_PIXELS 8192                /* of a side */
 #define FOCAL_PER_WIDTH (300.0 / 346.0) /* focal length per width: 60 degrees across */
 
 typedef struct kind {
-    tides_generator shown;
+    tides_generator shown; /* name, summary, what is counted, default and largest count, Gaussians of each, duration [s] */
     tides_status (*make)(const tides_generate_options *options, tides_world *world, tides_error *error);
     double background[3];
     double up; /* y of the scene's up direction; 0: unknown, as for a wall alone */

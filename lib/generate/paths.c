@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The quintic spline through the samples has its largest errors in the first and last segment. With this many samples, short
- * paths keep these two apart. */
+/* A path is a quintic spline through samples, with its largest errors in the first and last segment. This number of samples
+ * keeps the two segments apart on short paths. */
 #define FEWEST_SAMPLES 9
 #define MOST_SAMPLES 5e6 /* 2.3 GB with the path that is made of them */
 /* Longest step of the integrator [s]. The fastest motion is a ball's bounce, a half period of 15 ms: 60 steps. A step of

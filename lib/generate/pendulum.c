@@ -8,8 +8,8 @@
 
 #define GRAVITY 9.81   /* [m/s^2] */
 #define RELEASE 0.62   /* [rad] at release */
-#define STAGGER_S 0.37 /* between the releases of two neighbours */
-#define BEAM_Y 1.0
+#define STAGGER_S 0.37 /* [s] between the releases of two neighbours */
+#define BEAM_Y 1.0     /* [m] */
 
 typedef struct pendulum {
     double pivot[3], length, radius;

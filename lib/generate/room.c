@@ -15,12 +15,13 @@ static void mix(const double a[3], const double b[3], double share, double mixed
 /* -- wall: one or two big soft splats per brick; thin mortar lines and dark specks in front ------------------- */
 
 enum { COURSES = 27 };
+/* Sizes and places [m]. */
 #define BRICK_WIDTH 0.36
 #define BRICK_HEIGHT 0.15
 #define WALL_LEFT (-2.9)
 #define WALL_RIGHT 2.9
 #define WALL_BOTTOM (-1.65)
-/* distance of mortar and specks from the bricks, so that no small turn of the camera changes their order */
+/* Distance of mortar and specks from the bricks [m], so that no small turn of the camera changes their order. */
 #define WALL_STEP 0.03
 
 static const double right[3] = {1, 0, 0}, up[3] = {0, 1, 0};
@@ -111,7 +112,7 @@ static void title_poster(td_splats *splats) {
         }
 }
 
-/* A Siemens star, which has every spatial frequency. */
+/* Surface of a Siemens star: black and white sectors, whose stripes become finer towards the centre. */
 static void star_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     static const double white[3] = {0.95, 0.94, 0.90}, black[3] = {0.07, 0.07, 0.09};
     const double *centre = shape, radius = 0.03 + 0.40 * v, angle = -2 * PI * u; /* faces the room */

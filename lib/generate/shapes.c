@@ -15,7 +15,7 @@ static void paint(const double from[3], double colour[3]) { memcpy(colour, from,
 /* Converts a hue in [0, 1) to sRGB, with a given saturation and brightness. */
 static void hue_colour(double hue, double share, double light, double colour[3]) {
     for (int k = 0; k < 3; k++) {
-        const double ramp = fabs(fmod(6 * hue + 4 - 2 * k, 6) - 3) - 1; /* the usual hexagonal ramp */
+        const double ramp = fabs(fmod(6 * hue + 4 - 2 * k, 6) - 3) - 1; /* trapezoid of the HSV model: up, 1, down, 0 */
         colour[k] = light * (1 - share + share * fmin(fmax(ramp, 0), 1));
     }
 }
@@ -75,7 +75,7 @@ void td_build_disc(td_splats *splats, const void *disc) { td_splats_cover(splats
 
 /* -- die ---------------------------------------------------------------------------------------------------------------- */
 
-/* A face of the die: `half` along its normal and along its two edges. */
+/* A face of the die: its normal points along an axis (0: x, 1: y, 2: z) in the direction of `sign`. */
 typedef struct die_face {
     const td_die *die;
     int axis, sign, pips;
@@ -109,7 +109,7 @@ void td_build_die(td_splats *splats, const void *die) {
 
 /* -- tube --------------------------------------------------------------------------------------------------------------- */
 
-/* Surface of a cylinder. If its axis isn't along z, u starts on the side of x, so that it is consistent on all tubes. */
+/* Surface of a cylinder. u = 0 is on the side of the cross product of x and the axis; of y, if the axis is nearly along x. */
 static void tube_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     const td_tube *t = shape;
     double axis[3], side[3], other[3], length = 0;

@@ -78,7 +78,7 @@ static void quaternion_of(const double u[3], const double v[3], const double n[3
     memcpy(q, rows[big], sizeof rows[big]);
 }
 
-/* Diffuse light from the upper left in front, and ambient light. Colours are sRGB here, and linear in the scene. */
+/* Factor of a surface's colour: diffuse light from the upper left in front, and ambient light. It is for linear colours. */
 static double shade(const double normal[3]) {
     static const double light[3] = {-0.42, 0.60, 0.68};
     double lit = dot(normal, light);
@@ -99,7 +99,7 @@ void td_splats_add(td_splats *s, const double point[3], const double along[3], c
     for (size_t i = 0; i < 3; i++) {
         g->mean[3 * at + i] = (float)point[i];
         g->log_scale[3 * at + i] = (float)td_ln(sigma[i]);
-        g->sh[3 * at + i] = td_splat_dc(shade(n) * td_pow(colour[i], 2.2));
+        g->sh[3 * at + i] = td_splat_dc(shade(n) * td_pow(colour[i], 2.2)); /* sRGB to linear, as a plain power */
     }
     for (size_t i = 0; i < 4; i++) g->quaternion[4 * at + i] = (float)q[i];
     g->opacity_logit[at] = (float)OPACITY_LOGIT;

@@ -14,7 +14,7 @@
 typedef struct td_splats {
     td_gaussians gaussians;
     size_t capacity;
-    double detail;    /* td_splats_cover makes so many times as many in each direction */
+    double detail;    /* factor by which td_splats_cover multiplies nu and nv */
     double thickness; /* standard deviation along the normal */
     tides_status status;
     tides_error *error;
@@ -101,7 +101,8 @@ void td_build_still_balls(td_splats *splats, const void *shape);
 /* Fills position, quaternion, velocity and angular velocity of `sample` at its time. Called with increasing times from 0. */
 typedef void (*td_pose_at)(void *shape, tides_pose_sample *sample);
 
-/* Makes a path over [0, duration]. The formula runs `speed` times as fast; samples are at most `step` of its own time apart. */
+/* Makes a path over [0, duration]. `pose` gets times that pass options->speed times as fast as the path's. `step` is the
+ * longest distance between samples in this faster time [s]. */
 tides_status td_sample_path(td_pose_at pose, void *shape, const tides_generate_options *options, double step,
                             tides_trajectory **path, tides_error *error);
 
@@ -140,7 +141,7 @@ tides_status td_generate_crowd(const tides_generate_options *options, tides_worl
 
 enum { TD_FAN_GAUSSIANS = 5 * 42 * 20 + 48 * 9, TD_PLANE_GAUSSIANS = 160 * 120 };
 
-/* The detail with which a set of `made` Gaussians at detail 1 has about options->gaussians. */
+/* The detail that gives about options->gaussians Gaussians, for a set that has `made` of them at detail 1. */
 double td_generate_detail(const tides_generate_options *options, int64_t made);
 
 #endif

@@ -63,7 +63,7 @@ static tides_animation *create(const char *name, const td_animation_format *form
     return made;
 }
 
-/* Writes the beginning, unless opening failed already. Returns the animation, or ends it on failure. */
+/* Writes the beginning, unless opening failed already. Gives the animation to the caller, or frees it on failure. */
 static tides_status begin(tides_animation *a, tides_status opened, tides_animation **animation, tides_error *error) {
     const tides_status status = opened == TIDES_OK && a->format->begin ? a->format->begin(a, error) : opened;
     if (status == TIDES_OK)
@@ -75,7 +75,7 @@ static tides_status begin(tides_animation *a, tides_status opened, tides_animati
 
 static tides_status open_part(tides_animation *a, tides_error *error) {
     char *part = NULL;
-    /* an APNG needs seeking, for its number of pictures */
+    /* Y4M may go to a pipe. An APNG may not: its number of pictures is written into the beginning at the end. */
     const tides_status named = td_part_name(a->path, a->format == &td_animation_y4m, &part, error);
     if (named != TIDES_OK) return named;
     a->file = td_part_open(part, a->path);

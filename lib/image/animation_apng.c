@@ -59,7 +59,7 @@ static tides_status put_opening(tides_animation *a, const uint8_t *png, size_t s
     return status == TIDES_OK ? put_control(a, error) : status;
 }
 
-/* Copies the chunks of a PNG from our own encoder. */
+/* Copies the picture's data from a PNG that libpng encoded; from the first picture also all chunks before them. */
 static tides_status copy(tides_animation *a, const uint8_t *png, size_t size, tides_error *error) {
     tides_status status = TIDES_OK;
     int begun = 0;

@@ -14,9 +14,9 @@ uint8_t td_srgb(double linear) {
     return (uint8_t)(255.0 * c + 0.5);
 }
 
-/* Made for TIDES in CIE Lab. The hues are 282 degrees (blue) and 33 (red), which people with any colour blindness can
- * distinguish. Lightness 97 - 67 |v|^1.1 is equal on both sides, so equal magnitudes look equally strong. Chroma is up to 62
- * within sRGB. */
+/* Map of signed values v, made for TIDES in CIE Lab. The hues are 282 degrees (blue) and 33 (red), which people with any
+ * colour blindness can distinguish. Lightness 97 - 67 |v|^1.1 is equal on both sides, so equal magnitudes look equally
+ * strong. Chroma is up to 62 within sRGB. */
 /* clang-format off */
 static const uint8_t anchors[17][3] = {
     {0, 70, 139}, {0, 92, 177}, {0, 114, 217}, {66, 136, 240}, {109, 158, 254}, {153, 181, 255},
@@ -32,7 +32,7 @@ void td_colour_signed(double value, uint8_t rgb[3]) {
     for (int c = 0; c < 3; c++) rgb[c] = (uint8_t)((1.0 - part) * anchors[below][c] + part * anchors[below + 1][c] + 0.5);
 }
 
-/* Made for TIDES in CIE Lab: lightness 14 to 95, hues 305 to 100 degrees, chroma up to 58 within sRGB. */
+/* Ramp, made for TIDES in CIE Lab: lightness 14 to 95, hues 305 to 100 degrees, chroma up to 58 within sRGB. */
 /* clang-format off */
 static const uint8_t ramp[9][3] = {
     {30, 19, 104}, {0, 58, 112}, {0, 86, 124}, {0, 115, 139}, {3, 145, 151}, {1, 177, 151}, {85, 206, 130}, {177, 227, 120},

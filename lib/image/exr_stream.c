@@ -12,8 +12,8 @@ static void note(td_exr_stream *stream, const char *message) {
     if (!stream->message[0]) snprintf(stream->message, sizeof stream->message, "%s", message);
 }
 
-/* Stores the first message: later ones are consequences of it. Only for reading. While writing, OpenEXRCore holds the
- * context's lock here, and asking for the user data would wait for it for ever. */
+/* Stores the first message: later ones are consequences of it. This handler can't be used for writing: OpenEXRCore calls it
+ * with the context's lock held, and exr_get_user_data would wait for that lock for ever. */
 static void on_read_error(exr_const_context_t context, exr_result_t code, const char *message) {
     void *stream = NULL;
     (void)code;

@@ -18,7 +18,7 @@ typedef struct exr_job {
     tides_channel *channels; /* sorted by name, as in the file */
     exr_compression_t compression;
     const char *const *attributes;
-    td_exr_trace *trace;
+    td_exr_trace *trace; /* lets a test see the work-around, or leave it out; NULL otherwise */
     td_exr_stream stream;
     exr_context_t context;
     exr_encode_pipeline_t encoder;
@@ -37,7 +37,7 @@ static exr_result_t compress_or_store(exr_encode_pipeline_t *encoder) {
     exr_job *job = encoder->encoding_user_data;
     exr_result_t result = job->compress(encoder);
     if (result != EXR_ERR_SUCCESS || encoder->compressed_bytes != encoder->packed_bytes) return result;
-    /* Chunks that deflate can't shrink are raw here already. */
+    /* A chunk that deflate can't shrink has been copied raw, so both buffers are equal. */
     if (memcmp(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes) == 0) return result;
     if (job->trace) job->trace->equal_chunks++;
     if (!job->trace || !job->trace->leave_defect)

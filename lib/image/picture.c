@@ -110,7 +110,7 @@ static void count_events(const tides_event *events, size_t count, int32_t width,
 
 /* Greys stay between 120 and 180. A single event is darker than any of them, and many are brighter. So events differ from
  * their surroundings in lightness, and not in hue only. */
-enum { GREY = 140 };
+enum { GREY = 140 }; /* of pixels without a value, or of all if there is no picture behind the events */
 static double dimmed_grey(double value) { return isnan(value) ? GREY : 120.0 + 60.0 / 255.0 * td_srgb(value); }
 
 /* Colour of a pixel with events. One event covers 85 % of the base with a dark colour, and each further one makes it

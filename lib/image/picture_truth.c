@@ -70,8 +70,8 @@ void tides_picture_labels(const double *labels, int32_t width, int32_t height, u
 
 /* -- legends ----------------------------------------------------------------------------------------------------------- */
 
-/* Size of a legend: least shorter side of a picture that gets one [px], share of that side, and distance from the borders
- * [px]. */
+/* Only pictures whose shorter side is at least KEY_LEAST [px] get a legend. It takes one part in KEY_SHARE of that side, at a
+ * distance of KEY_MARGIN [px] from the borders. */
 enum { KEY_LEAST = 64, KEY_SHARE = 6, KEY_MARGIN = 3 };
 
 static int32_t key_size(int32_t width, int32_t height) {

@@ -19,7 +19,7 @@ struct tides_animation {
     uint8_t *bytes;            /* y4m: one picture's planes */
 };
 
-/* `begin` and `end` may be NULL. The file is open during all calls. */
+/* `begin` and `end` may be NULL. The file is open during all calls, if the format has one. */
 struct td_animation_format {
     tides_status (*begin)(tides_animation *animation, tides_error *error);
     tides_status (*append)(tides_animation *animation, const uint8_t *rgb, tides_error *error);

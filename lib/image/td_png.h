@@ -20,8 +20,8 @@ void td_png_on_warning(png_structp png, png_const_charp text);
 /* Writes a picture to an open stream; `path` is for messages. */
 tides_status td_png_encode(const char *path, FILE *file, int32_t width, int32_t height, const uint8_t *rgb, tides_error *error);
 
-/* Other pictures: 8 or 16 bits; 1 channel, or 3 interleaved; `values` are uint8_t or uint16_t. The values are numbers rather
- * than light. td_png_write writes one to a file, by a .part that is renamed. */
+/* A picture's form: 8 or 16 bits; 1 channel, or 3 interleaved. Pictures of 8 bits are marked as sRGB; 16 bits may be any
+ * numbers. td_png_write writes uint8_t or uint16_t values to a file, by a .part that is renamed. */
 typedef struct td_png_form {
     int32_t width, height, bits, channels;
 } td_png_form;

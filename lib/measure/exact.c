@@ -14,20 +14,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A smaller shift of event times counts as none [us]; it is the unit in which they are stored. */
+/* Events that shift by no more than this [us] count as settled: event times are stored in whole nanoseconds. */
 #define SETTLED_US 1e-3
-/* No level follows one with so many full renders, since it would take twice as many. Renders are counted, not seconds, so
- * that the result doesn't depend on the machine's load. */
+/* After a level with this many full renders no level follows, since it would take twice as many. Renders are counted and not
+ * seconds, so that the result doesn't depend on the machine's load. */
 #define LONG_RENDERS 500.0
 
-/* For smooth images: the first level's tolerance, and its default longest step. That is a common frame interval divided by 8,
- * which is short compared with a shaking camera. */
+/* For smooth images: the first level's tolerance [thresholds], and the shortest step of any level. The first level's longest
+ * step is LONGEST_STEP_S, a common frame interval, or the run's length if that is less, divided by SPLIT. */
 #define FIRST_TOLERANCE 1e-3
 #define LONGEST_STEP_S 0.01
 #define SPLIT 8
 #define LEAST_STEP_S 1e-8
-/* The last level's tolerance [thresholds]. In single precision the estimate can't see less than 1e-6 of L, with thresholds of
- * 0.2. In double precision, the unit of event times is reached earlier. */
+/* The last level's tolerance [thresholds]. In single precision, rounding hides errors of L below about 1e-6, and thresholds
+ * are about 0.2. In double precision, event times settle before rounding matters. */
 #define FLOAT_TOLERANCE 3e-6
 #define DOUBLE_TOLERANCE 1e-9
 

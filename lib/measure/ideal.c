@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SETTINGS_MAX = 40, SETTING_BYTES = 80 };
+enum { SETTINGS_MAX = 40, SETTING_BYTES = 80 }; /* settings of a method, and bytes of one's text, at most */
 #define TWO_PI 6.283185307179586
-#define VOLTMETER_QUIET 1e-9 /* k6: the original makes no events with 0 */
+#define VOLTMETER_QUIET 1e-9 /* least k6, the noise: the original makes no events without any */
 
 /* The pixel for which settings are made. */
 typedef struct pixel {
@@ -92,7 +92,7 @@ static void ideal_iebcs(settings *s, const pixel *p) {
 #define GREY 0.18
 /* Factor of v2e's cutoff at light Y: (DN + 20) / 275. */
 #define V2E_LIGHT(Y) ((255 * (Y) + 20) / 275)
-#define V2E_ADDED 255.0 /* DN at most */
+#define V2E_ADDED 255.0 /* largest v2e.added_dn [DN] */
 
 static void given_or(settings *s, const pixel *p, const char *key, double value) {
     if (!tides_run_gives(p->run, key)) set(s, key, value);

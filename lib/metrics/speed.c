@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const int64_t longest_ns = 50000000;
+static const int64_t longest_ns = 50000000; /* longest crossing time that counts */
 
 /* The time of the latest event for each polarity and pixel [ns]; for none, a time below -longest_ns. */
 typedef struct surface {

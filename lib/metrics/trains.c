@@ -19,8 +19,8 @@ typedef struct sums {
     uint64_t over;
 } sums;
 
-/* D^2 = sum over all pairs of events (and of each with itself) of w_i w_j exp(-|t_i - t_j| / tau), with w = 1 for a and -1
- * for b (van Rossum 2001; scaled so that one event against none gives 1). In order of time, the sum over earlier events
+/* D^2 is the sum of w_i w_j exp(-|t_i - t_j| / tau) over all pairs of events, and of each with itself. w is 1 for events of
+ * a, -1 for b (van Rossum 2001; scaled so that one event against none gives 1). In order of time, the sum over earlier events
  * decays from one time to the next. Simultaneous events are added together, so that equal trains give exactly 0. */
 static double van_rossum(const train *a, const train *b, double tau_ns) {
     size_t i = 0, j = 0;

@@ -8,8 +8,8 @@
 
 #include <math.h>
 
-/* dR/dt for a unit quaternion q with rate p. td_rotation_rate has its sums in another order, and rounds differently: the last
- * bits of events would change. */
+/* dR/dt for a unit quaternion q with rate p. It isn't td_rotation_rate, whose sums have another order: other rounding would
+ * change the last bits of events. */
 static void rotation_rate_of(const double q[4], const double p[4], double r[9]) {
     double w = q[0], x = q[1], y = q[2], z = q[3];
     double a = p[0], b = p[1], c = p[2], d = p[3];

@@ -1,4 +1,5 @@
-/* Packs fully connected layers of networks into blocks of outputs, as kernels read them. */
+/* Packs fully connected layers of networks for kernels. A block has TD_DENSE_BLOCK outputs: first their biases, and then for
+ * each input their weights. */
 #include "td_dense.h"
 
 #include "kernels/dense.h"

@@ -16,8 +16,8 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
 
 static int time_rows(const tides_motion *motion) { return (int)td_hexplane_plane(motion, 0, 2)->shape[2]; }
 
-/* Sets the place on the time axis. At t = 1, the end, rates are those of the last cell (PyTorch clips the row there, which
- * would give 0); at t = 0, those of the first cell. */
+/* Sets the place on the time axis. At t = 1 the rates are those of the cell that ends there (PyTorch's clipped row would give
+ * 0); at t = 0, those of the cell that begins there. */
 static void moment(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]) {
     int rows = time_rows(motion), first = td_hexplane_first_row(rows);
     double t = tau < 0 ? 0 : tau > 1 ? 1 : tau;

@@ -11,7 +11,7 @@ const char *const td_hexplane_heads[TD_HEADS] = {"pos_deform", "scales_deform", 
 static const char *const head_flags[TD_HEADS] = {"no_dx", "no_ds", "no_dr", "no_do", "no_dshs"};
 static const uint64_t head_outputs[TD_HEADS] = {3, 3, 4, 1, TD_HEXPLANE_SH_MAX};
 
-/* The axes (of x y z t) of plane (i, j): its width and its height. */
+/* The axes of each plane, 0 to 3 for x y z t: that of its width, and that of its height. */
 static const int plane_axes[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 const td_field *td_hexplane_plane(const tides_motion *motion, int level, int plane) {
@@ -58,7 +58,7 @@ static tides_status measure_grid(const tides_motion *motion, td_hexplane *hexpla
     return TIDES_OK;
 }
 
-/* Measures the trunk: feature_out.0, and .2, .4 .. if it has more layers. */
+/* Measures the trunk, the layers in front of all heads: feature_out.0, and .2, .4 .. if it has more layers. */
 static tides_status measure_trunk(const tides_motion *motion, td_hexplane *hexplane, tides_error *error) {
     const td_field *weight = NULL, *bias = NULL;
     char name[48] = "feature_out.0";

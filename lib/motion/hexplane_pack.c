@@ -1,5 +1,6 @@
-/* Packs 4DGaussians' deformation for its kernel. Each canonical mean gets the product of the space planes and its places in
- * the time planes. Time planes are reordered so that channels are neighbours; then come the layers. */
+/* Packs 4DGaussians' deformation for its kernel: tables, weights, and a record for each Gaussian. Tables are the time planes,
+ * reordered so that channels are neighbours. A record has the product of the space planes at the canonical mean, the raw
+ * parameters, and the mean's places in the tables. */
 #include "td_hexplane.h"
 
 #include "td_dense.h"
@@ -16,10 +17,10 @@ typedef struct packing {
     const tides_motion *motion;
     const tides_gaussians *gaussians;
     td_hexplane shape;
-    int channels, features, width; /* padded */
+    int channels, features, width; /* padded; features: channels of all levels; width: hidden values of a layer */
     int rows;                      /* rows of the tables */
     int columns[TD_HEXPLANE_LEVELS_MAX][3];
-    int stride, sh;
+    int stride, sh; /* numbers of a record; SH coefficients in it */
 } packing;
 
 /* A coordinate on an axis of `size` nodes: the node below it, and the fraction towards the next node. */
@@ -32,7 +33,7 @@ static int at_least_two(int count) { return count < 2 ? 2 : count; }
 
 /* -- sizes --------------------------------------------------------------------------------------------------------- */
 
-/* Rounds up, so that each part begins where a vector may. */
+/* Rounds up to a multiple of TD_HEXPLANE_CHANNEL_PAD, so that vectors of channels are aligned in each part. */
 static size_t padded_size(size_t size) {
     return (size + TD_HEXPLANE_CHANNEL_PAD - 1) / TD_HEXPLANE_CHANNEL_PAD * TD_HEXPLANE_CHANNEL_PAD;
 }

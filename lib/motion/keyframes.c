@@ -3,7 +3,7 @@
  * Fields: time (T x 2) [tau], each the sum of two floats, which keeps a double's digits; mean (T x N x 3), and mean_rest (T x
  * N x 3; absent: 0), what the floats lack if means were doubles; quaternion (T x N x 4). If they change: log_scale (T x N x
  * 3), opacity_logit (T x N), sh (T x N x K x 3). Settings: catmull_rom 1 for slopes by Catmull and Rom instead of a C2
- * spline's; plain_colour.
+ * spline's; plain_colour 1 for colours that aren't clamped at 0.
  *
  * Quaternions are normalised, with the sign that is nearer to the frame before. */
 #include "td_keyframes.h"
@@ -136,7 +136,7 @@ static void moment(const tides_motion *motion, double tau, int side, double real
 }
 
 /* 1 if a mean is the same in all frames, and equals the Gaussian's own. Means in double were rounded twice, here to 48 bits
- * and in the Gaussians relative to an origin, so the equality is up to that. */
+ * and in the Gaussians relative to an origin, so a difference by these roundings counts as none. */
 static int means_rest(const td_keyframes *keys, const float *own, int64_t gaussian) {
     for (int64_t frame = 0; frame < keys->frames; frame++)
         for (int axis = 0; axis < 3; axis++) {

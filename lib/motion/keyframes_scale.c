@@ -1,4 +1,4 @@
-/* The scale of time on which keyframes move Gaussians. It is the distance of frames, unless fewer frames would do: a slow
+/* The scale of time on which keyframes move Gaussians. It is the distance of frames, unless fewer frames would do. A slow
  * motion in frames at 1 kHz needs no samples at 1 kHz, but a flickering lamp does. */
 #include "td_keyframes.h"
 
@@ -7,9 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Frames may be left out if they are nearer than this to the cubic through the others. The distance is a share of an axis's
- * length, a rotation times the ratio of axes, a difference of a scale's logarithm, or a share of an opacity or colour.
- * Samples then still show that something changes. */
+/* Frames may be left out if they are nearer than this to the cubic through the others. For a mean it is a share of the second
+ * longest axis. For a quaternion it is multiplied by half the ratio of the second to the longest axis. For logarithms of
+ * scales, logits and SH it is the difference itself. Samples then still show that something changes. */
 static const double most_off = 0.02;
 
 /* Index of the first frame after tau. */
@@ -136,7 +136,7 @@ tides_status td_keyframes_find_resting(const tides_motion *motion, const tides_g
     /* [from, to] lies within frames first to last */
     const int64_t after = frame_after(&keys, from), first = after > 0 ? after - 1 : 0;
     const int64_t beyond = frame_after(&keys, to), last = beyond < keys.frames ? beyond : keys.frames - 1;
-    /* slopes depend on these, too */
+    /* one more frame on each side, because slopes depend on it */
     const int64_t begin = first > 0 ? first - 1 : 0, end = last + 1 < keys.frames ? last + 1 : last;
     const td_key_range range = {begin, end - begin + 1};
     const size_t size = (size_t)(range.count * keys.channels);

@@ -108,7 +108,7 @@ void td_motion_moment(const tides_motion *motion, double tau, double tau_dot, in
 
 tides_status td_motion_time(const tides_motion *motion, double duration_s, double time, double *tau, double *tau_dot,
                             tides_error *error) {
-    /* [s] the resolution of event times, or the rounding of such a late time */
+    /* [s] the resolution of event times, or for very late times the rounding of `time` */
     const double slack = fmax(1e-9, 4 * DBL_EPSILON * fabs(time));
     if (!(time >= -slack && time <= duration_s + slack))
         return td_fail(error, TIDES_OUT_OF_RANGE,

@@ -15,7 +15,7 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
 
 /* -- inputs from the time ---------------------------------------------------------------------------------------------- */
 
-/* Adds the (value, rate) of row `row` of a layer. */
+/* Computes output `row` of a layer, and its rate. */
 static void apply_row(const td_field *weight, const td_field *bias, int row, const double *value, const double *rate,
                       double *sum, double *sum_dot) {
     const float *w = weight->value + (size_t)row * weight->shape[1];
@@ -42,7 +42,7 @@ static void apply_time_network(const tides_motion *motion, const double *value, 
 static void moment(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]) {
     double value[1 + 2 * TD_OCTAVES_MAX] = {0}, rate[1 + 2 * TD_OCTAVES_MAX] = {0}, *to = real + TD_MOMENT_OWN;
     const td_field *small = td_motion_field(motion, "timenet.0.weight");
-    (void)side; /* rates jump only where a ReLU switches */
+    (void)side; /* the model has no knots: rates jump only where a ReLU switches, which isn't known */
     if (small) {
         td_network_embed(&tau, 1, (int)(small->shape[1] - 1) / 2, value, rate);
         apply_time_network(motion, value, rate, (int)td_motion_field(motion, "timenet.2.weight")->shape[0], to);

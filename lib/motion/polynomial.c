@@ -10,8 +10,8 @@
 /* Widths from e^-80 to e^80 keep 1 / width within single precision. */
 static const double LOG_WIDTH_MOST = 80;
 
-/* The model's fields: opacity_centre (N) [tau], opacity_log_width (N) ln [tau], mean_coefficient (N x 9)
- * [scene units / tau^k], quaternion_dot (N x 4) [1 / tau]. */
+/* The model's fields: opacity_centre (N) [tau], opacity_log_width (N) ln [tau], mean_coefficient (N x 9), three axes for each
+ * of the powers k = 1, 2, 3 [scene units / tau^k], quaternion_dot (N x 4) [1 / tau]. */
 typedef struct polynomial_fields {
     const td_field *centre, *log_width, *coefficient, *quaternion_dot;
     const td_field *feature, *feature_dot; /* NULL without a decoder */

@@ -17,7 +17,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Largest number of harmonics, as in tides_rotor_motion. */
+/* Largest number of harmonics that a motion may have. */
 enum { HARMONICS_MOST = 4 };
 static const double PI = 3.14159265358979323846;
 
@@ -130,7 +130,7 @@ static tides_status pack_geometry(const tides_motion *motion, const rotor_fields
     row[TD_ROTOR_CENTRE] = fields->centre->value[i];
     if (fine) row[TD_ROTOR_NARROWNESS] = 1 / sqrt(2 * (variance + (prefilter > 0 ? prefilter : 0)));
     row[TD_ROTOR_OPACITY] = td_sigmoid(gaussians->opacity_logit[i]);
-    /* The kernel squares these in single precision. */
+    /* The kernel squares these in single precision, whose largest number is 3e38. */
     for (int k = 0; k < TD_ROTOR_TURN; k++) fine = fine && fabs(row[k]) < 1e18;
     if (fine) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE,
@@ -207,8 +207,8 @@ static int colour_rests(const rotor_fields *fields, int64_t i) {
     return 1;
 }
 
-/* A Gaussian rests if it drifts by less than single precision resolves, its colour rests, and its opacity over time is so
- * wide that it changes by less than the last bit. */
+/* A Gaussian rests if its velocity is 0 and its harmonics are 0. Its opacity over time must be so wide that it changes by less
+ * than single precision's last bit. */
 static void find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving) {
     const double unseen = ldexp(1, -25);
     rotor_fields fields;

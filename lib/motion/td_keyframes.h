@@ -9,9 +9,9 @@ enum { TD_KEYS_MEAN = 0, TD_KEYS_QUATERNION, TD_KEYS_LOG_SCALE, TD_KEYS_LOGIT, T
 /* The fields; NULL for parts that don't change. `channels` is the sum of the parts' widths, with SH last. */
 typedef struct td_keyframes {
     const td_field *time, *part[TD_KEYS_PARTS];
-    const td_field *mean_rest; /* NULL: means are exact */
-    const double *origin;      /* of the Gaussians' means: means are relative to it */
-    int width[TD_KEYS_PARTS], first[TD_KEYS_PARTS];
+    const td_field *mean_rest;                      /* NULL: means are exact */
+    const double *origin;                           /* of the Gaussians' means: means are relative to it */
+    int width[TD_KEYS_PARTS], first[TD_KEYS_PARTS]; /* number of a part's channels; its first channel, -1: none */
     int channels;
     int64_t frames, gaussians;
 } td_keyframes;

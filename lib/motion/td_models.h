@@ -13,7 +13,7 @@ extern const td_motion_class td_callback_class;
 tides_status td_motion_copy_field(tides_motion *motion, const char *name, int rank, const uint64_t *shape, const float *value,
                                   tides_error *error);
 
-/* A field with a row per Gaussian: (count) if `width` is 1, else (count x width). */
+/* Add, or find, a field with a row per Gaussian: its shape is (count) if `width` is 1, else (count x width). */
 tides_status td_motion_copy_rows(tides_motion *motion, const char *name, int64_t count, int width, const float *value,
                                  tides_error *error);
 tides_status td_motion_need_rows(const tides_motion *motion, const char *name, int64_t count, int width, const td_field **field,

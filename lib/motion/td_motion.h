@@ -37,9 +37,9 @@ typedef struct td_setting {
 
 /* A motion's numbers for backends, computed once per renderer. */
 typedef struct td_mover_numbers {
-    double real[TD_MOVER_REALS];
+    double real[TD_MOVER_REALS]; /* the model's own numbers, such as a frequency or a stride, where its kernel reads them */
     int own[TD_MOVER_INTS];
-    int moves_sh;
+    int moves_sh; /* 1: the model changes SH, too */
     double *data; /* owned (td_mover_release); narrowed to float on a device */
     size_t data_count;
     char defines[256]; /* sizes for compiling the kernel, "#define TD_BUILD_WIDTH 64\n"; may be "" */
@@ -49,7 +49,7 @@ typedef struct td_mover_numbers {
 typedef struct td_motion_asked {
     double tau, tau_dot; /* tau_dot: d(tau)/dt [1/s] */
     int side;            /* of a knot at tau: 1 what begins there, -1 what ends */
-    int fades;           /* as td_mover has it */
+    int fades;           /* 1: Gaussians that appear suddenly in the model fade in, as smooth images need it */
     const int32_t *index;
     int64_t count;
 } td_motion_asked;
@@ -73,8 +73,8 @@ typedef struct td_motion_class {
     tides_status (*pack)(const tides_motion *motion, const tides_gaussians *gaussians, td_mover_numbers *numbers,
                          tides_error *error);
 
-    /* Fills real[TD_MOMENT_OWN ..] at own time tau. At a jump of rates, `side` -1 selects the rates before tau, +1 those
-     * after it. May be NULL. */
+    /* Fills real[TD_MOMENT_OWN ..] with the numbers that the kernel needs at own time tau, for all Gaussians. At a jump of
+     * rates, `side` -1 selects the rates before tau, +1 those after it. May be NULL. */
     void (*moment)(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]);
 
     /* Lists knots: own times strictly within (start, stop) where rates may jump, ascending. Returns their number, and writes
@@ -129,6 +129,7 @@ tides_status td_motion_create(const td_motion_class *type, double start, double 
  * TIDES_BAD_FILE names the field if a value isn't finite. */
 tides_status td_motion_take_field(tides_motion *motion, const char *name, int rank, const uint64_t *shape, float *value,
                                   tides_error *error);
+/* Adds a setting. TIDES_BAD_FILE if its name is too long, the value isn't finite, or there are too many. */
 tides_status td_motion_set(tides_motion *motion, const char *name, double value, tides_error *error);
 
 /* A field, or a setting; NULL, or `fallback`, if it doesn't exist. */
@@ -139,8 +140,8 @@ double td_motion_setting(const tides_motion *motion, const char *name, double fa
 tides_status td_motion_need_field(const tides_motion *motion, const char *name, int rank, const uint64_t *shape,
                                   const td_field **field, tides_error *error);
 
-/* Computes the moment at own time tau, with d(tau)/dt. moment[1] is tau - (float)tau, which single precision needs; the
- * reference uses both, too. */
+/* Computes a moment: the numbers at own time tau, with d(tau)/dt, that are common to all Gaussians. real[1] is tau -
+ * (float)tau, which single precision needs; the reference uses both, too. */
 void td_motion_moment(const tides_motion *motion, double tau, double tau_dot, int side, double real[TD_MOMENT_REALS]);
 
 void td_mover_release(td_mover_numbers *numbers);

@@ -18,7 +18,8 @@
 #include <libdeflate.h>
 #include <string.h>
 
-/* zlib's level: on a demo an event takes 26.6 bits before base64; with level 1 it is 29.5, with 9 26.3 in twice the time. */
+/* Bytes of an event, those of its ground truth, and zlib's level. With level 6 an event of a demo takes 26.6 bits before
+ * base64; with level 1 29.5, and with level 9 26.3 in twice the time. */
 enum { PLAIN_BYTES = 9, TRUTH_BYTES = 14, LEVEL = 6, NO_INSTANCE = 65535 };
 
 size_t td_page_planes_room(int32_t with_truth) {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 65536 };
+enum { BATCH = 65536 }; /* events read at once */
 
 typedef struct source {
     const char *path;
@@ -42,7 +42,8 @@ static void close_source(source *s) {
     free(s->truth);
 }
 
-/* 1 if any event of a block is shown: only then its labels and truth are read. Late events may come anywhere. */
+/* 1 if any event of a batch is shown: only then are its labels and truth read. All are tested, since they may be out of
+ * order. */
 static int any_shown(const source *s, size_t count, const tides_page_options *o) {
     for (size_t i = 0; i < count; i++)
         if (s->events[i].t >= o->start_ns && s->events[i].t < o->stop_ns) return 1;
@@ -57,7 +58,7 @@ static void add_stretch(source *s, uint64_t row, size_t count) {
     }
 }
 
-/* Fails if the requested span is empty though the recording isn't: it was meant on another clock. */
+/* Fails if the requested span is empty though the recording isn't: the span was probably given for another clock. */
 static tides_status check_stretch(const source *s, const td_page *page, uint64_t rows, tides_error *error) {
     const tides_page_options *o = &page->options;
     if (rows == 0 || page->report.events) return TIDES_OK;

@@ -38,7 +38,8 @@ tides_status td_page_append(td_page *page, const tides_event *events, const tide
                             tides_error *error);
 tides_status td_page_end(td_page *page, tides_status status, tides_error *error);
 
-/* Writes the first `count` events as chunks; room for a chunk's planes, and for their deflated bytes [bytes]. */
+/* Writes the first `count` events as chunks. The others give the most bytes that a chunk takes: as planes, deflated, and as
+ * base64. */
 tides_status td_page_put_chunks(td_page *page, size_t count, tides_error *error);
 size_t td_page_planes_room(int32_t with_truth);
 size_t td_page_packed_room(int32_t with_truth);

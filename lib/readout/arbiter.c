@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE_MAX = 65536 };
+enum { SIDE_MAX = 65536 }; /* pixels: coordinates have 16 bits */
 
 /* Standard deviation of |n|, n standard normal: sqrt(1 - 2 / pi). */
 static const double half_normal_sigma = 0.60281027498905630;

@@ -12,7 +12,7 @@
 typedef struct h5_array {
     hid_t file, dataset;
     int ours;   /* 1: the .part is this process's */
-    int failed; /* errno of a write that HDF5 doesn't report (see its file driver), or 0 */
+    int failed; /* errno of the first failed write, which the file driver hides from HDF5; 0: none */
 } h5_array;
 
 static tides_status write_failed(const td_array_sink *sink, tides_error *error) {
@@ -71,7 +71,8 @@ static void discard(td_array_sink *sink) {
     if (!h5) return;
     td_h5_quiet saved;
     td_h5_quiet_begin(&saved);
-    if (h5->ours && h5->failed != EBUSY) td_remove_part(sink->part, sink->path); /* while its lock is held */
+    if (h5->ours && h5->failed != EBUSY)
+        td_remove_part(sink->part, sink->path); /* the open file is locked, so no other process writes it */
     close_all(h5);
     td_h5_quiet_end(&saved);
     free(h5);
@@ -124,7 +125,7 @@ static tides_status append(td_array_sink *sink, tides_error *error) {
 
 /* ---- ending ---- */
 
-/* Writes a member of all windows, which has 64 bits. */
+/* Writes an array of one member of all windows: the 64 bits at `offset` in td_array_window. */
 static herr_t write_column(const td_array_sink *sink, hid_t file, const char *name, hid_t stored, hid_t given, size_t offset) {
     const hsize_t rows = sink->count;
     hid_t space = H5Screate_simple(1, &rows, NULL), creation = H5Pcreate(H5P_DATASET_CREATE), dataset = -1;

@@ -31,7 +31,7 @@ static tides_status check(const char *path, const tides_array_shape *shape, tide
     if (!path || !shape || !is_name(shape->name))
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_array_writer_open: a path and a name of 1 to 31 letters, digits and _ must be given");
-    /* The limit keeps a row of the file below 2^48 bytes. */
+    /* The limits keep a window below 2^48 bytes. */
     if (shape->planes < 1 || shape->height < 1 || shape->width < 1 || shape->planes > 4096 || shape->height > 65536 ||
         shape->width > 65536)
         return td_fail(error, TIDES_BAD_ARGUMENT,

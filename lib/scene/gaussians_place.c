@@ -12,6 +12,7 @@ static const double pi = 3.14159265358979323846;
 
 /* -- spherical harmonics ------------------------------------------------------------------------------------------------- */
 
+/* MOST: coefficients of all bands. NODES and TURNS: points of an integral over the sphere, along z and around it. */
 enum { BANDS = TIDES_SH_DEGREE_MAX + 1, MOST = BANDS * BANDS, NODES = 5, TURNS = 9 };
 
 /* Values of band l of the spherical harmonics (SH) in the unit direction d, for m from -l to l. The basis is that of INRIA's

@@ -1,4 +1,5 @@
-/* Other contents of a glTF: more scenes, of which the user may choose one, meshes without splats, animations. */
+/* Notes for the user about contents of a glTF that aren't read: other scenes (one of which may be chosen), meshes without
+ * splats, animations. */
 #include "td_base.h"
 #include "td_gltf.h"
 #include "td_scene.h"

@@ -93,7 +93,7 @@ static int says(const char *text, const char *line) {
 }
 
 tides_status td_gsplat_tags(const td_model_dir *dir, int32_t *trained, tides_error *error) {
-    enum { LIMIT = 1 << 20 };
+    enum { LIMIT = 1 << 20 }; /* bytes of a cfg.yml that are read at most */
     char *above = td_folder_of(dir->folder, error), *file = NULL, *text = NULL;
     const char *const folders[] = {dir->folder, above};
     size_t size = 0;

@@ -19,6 +19,7 @@
 
 #include <string.h>
 
+/* Bytes of the file's header, of a section's header, and of a bucket's centre. */
 enum { HEADER = 4096, SECTION = 1024, CENTRE = 12 };
 
 typedef struct layout {

@@ -10,16 +10,17 @@
  * int32 number of Gaussians, int64 offset of the first one in data.bin, int32 bytes of all. A Gaussian of data.bin is 32 bytes,
  * little-endian:
  *
- *     float x y z; uint8 r g b a, over 255: the colour 1/2 + C0 dc, and the opacity;
+ *     float x y z; uint8 r g b a, over 255: the colour 1/2 + C0 dc (dc: the constant SH coefficient; C0 = 1 / (2 sqrt(pi))),
+ *     and the opacity;
  *     uint16 scale x y z, over 65535: 0 is min, 1 is max of the attribute "scale" (the scale itself, not its logarithm);
  *     uint32 rotation: the top two bits number the component of x y z w that is left out (it is positive); the other three have
  *     10 bits each, from the lowest on, where a number v is v sqrt(2) / 1023 - sqrt(1/2);
  *     uint16 normal x y z, which isn't read
  *
  * Its SH are 64 bytes of shcoef.bin, at twice the offset in data.bin: 15 coefficients of r 11 bits, g 10, b 11 from the lowest
- * on, from min to max of "shcoef", and 4 bytes that aren't read. A Gaussian of environment.bin is its 32 bytes, followed by its
- * 64 bytes of SH if the scene has SH. LCC's z is up. The scene is turned by a quarter about x to the axes of a 3DGS .ply, as
- * splat-transform does. */
+ * on, from min to max of "shcoef", and 4 bytes that aren't read. environment.bin is read with every level. A Gaussian of it is
+ * its 32 bytes, followed by its 64 bytes of SH if the scene has SH. LCC's z is up. The scene is turned by a quarter about x to
+ * the axes of a 3DGS .ply, as splat-transform does. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_folder.h"
@@ -34,6 +35,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* RECORD, RECORD_SH: bytes of a Gaussian, and of its SH. UNIT, RUN: bytes of a unit's x and y, and of one of its runs. */
 enum { RECORD = 32, RECORD_SH = 64, COEFFICIENTS = 16, LEVELS_MAX = 64, UNIT = 4, RUN = 16 };
 
 /* The least and the largest value of an attribute, by axis or by colour channel. Packed numbers are fractions between them. */

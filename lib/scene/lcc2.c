@@ -7,8 +7,9 @@
  * A node is a region of space. Its "3dgs" is the run of its Gaussians in the file of that number, and its children together are
  * the same region in finer detail. A node at depth d, the root's children being at 1, has level of detail totalLevels - d, and
  * 0 is the finest. The last node of a branch that ends earlier stands for its region at all finer levels. Several nodes of one
- * level may share a file. "child" is an object or an array. Early files have other names: lod_level, child_num, and "files"
- * without their ending. Some exporters leave commas before } and ].
+ * level may share a file. "env" names the file of the environment, which is read with every level. "child" is an object or an
+ * array. Early files have other names: lod_level, child_num, and "files" without their ending. Some exporters leave commas
+ * before } and ].
  *
  * Axes are LCC's: z is up. The numbers of a .spz are in these axes, too, and not in those of its own format. */
 #include "td_base.h"

@@ -59,7 +59,7 @@ void td_numbered_free(td_numbered_list *list) {
 }
 
 int td_ply_file_has(const char *path, const char *property) {
-    enum { HEADER_MAX = 65536 };
+    enum { HEADER_MAX = 65536 }; /* bytes in which the header must end */
     int found = 0;
     FILE *file = td_is_file(path) ? fopen(path, "rb") : NULL;
     unsigned char *start = file ? td_alloc(HEADER_MAX, 1, NULL) : NULL;

@@ -39,7 +39,7 @@ int td_ply_word_is(td_ply_word word, const char *text) {
 }
 
 const char *td_ply_quote(td_ply_word word, char text[TD_PLY_QUOTE_BYTES]) {
-    enum { SHOWN = 40 };
+    enum { SHOWN = 40 }; /* characters */
     size_t n = word.length < SHOWN ? word.length : SHOWN;
     for (size_t i = 0; i < n; i++) text[i] = (char)(word.text[i] >= ' ' && word.text[i] <= '~' ? word.text[i] : '?');
     memcpy(text + n, word.length > SHOWN ? "..." : "", word.length > SHOWN ? 4 : 1);

@@ -5,7 +5,7 @@
  *                                          tides_version text   of the writer; for people
  *                                          objects       int    number of objects, >= 1
  *                              datasets    up            double (3): direction of up; absent if unknown
- *     /objects/0, 1, 2 ...     attributes  name, source  text   as in tides_object
+ *     /objects/0, 1, 2 ...     attributes  name, source  text   for people; the file that it came from
  *                                          scale         double
  *                                          sh_degree     int    0..4; K = (sh_degree + 1)^2
  *                                          trained       text   "plain", "antialiased" or "mixed"; absent if unknown

@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* 1 if a motion's numbers hold only for means near (0, 0, 0): a network that rotates each mean about that point
- * (Deformable-3DGS), or a decoder with the camera's position as an input. For other motions the origin of means is added
+/* 1 if a motion's numbers hold only for means near (0, 0, 0). Such motions are networks that rotate each mean about that
+ * point (Deformable-3DGS), and decoders with the camera's position as an input. For other motions the origin of means is added
  * where it matters. */
 static int is_absolute(const tides_motion *motion) {
     return td_motion_setting(motion, "decoder", 0) != 0 || td_motion_field(motion, "branch_w.weight");

@@ -4,8 +4,9 @@
  * from a place. An object ends: of guitar, playbot and a plant, 99 % lie within 1.2 to 1.3 times the radius of 90 %. The
  * background of a capture of a place goes on: 1.5 for garden, even after its publisher removed far points.
  *
- * Of an object 99 % are shown, from the least distance at which all these fit into the image from every side. Each Gaussian
- * gives its least distance in closed form. One radius for all left out a guitar's neck, and half of the image was empty.
+ * Of an object, 99 % of the Gaussians are shown, from the least distance at which all these fit into the image from every side.
+ * A formula gives each Gaussian's least distance. With one radius for all instead, a guitar's neck was left
+ * out, and half of the image was empty.
  *
  * In a place the camera goes where the photographer went, because there space is free. For garden that was 1.05 to 1.23 from
  * the median, and half of its points are nearer than 1.22. A distance at which all fits into the image would show the place
@@ -23,7 +24,7 @@ enum { SAMPLES = 65536 };               /* Gaussians that are sampled; quantiles
 static const double faint_logit = -3.0; /* opacity 0.05: fainter ones are haze, which is everywhere */
 static const double all = 0.99, most = 0.9, half = 0.5; /* quantiles of the distance */
 static const double ends = 1.45;   /* largest ratio of `all` to `most` for an object; a normal distribution has 1.35 */
-static const double margin = 1.05; /* space around it, since Gaussians extend beyond their means */
+static const double margin = 1.05; /* factor of the distance, since Gaussians extend beyond their means */
 static const double raised = 0.35; /* the camera's height over the orbit's radius: 19 degrees above the middle */
 static const double turn_s = 12.0; /* [s] for one turn */
 static const double flat = 0.5;    /* z is up if the scene's height is below this part of its smaller width */

@@ -68,7 +68,7 @@ done:
 
 tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
                               double scale, tides_error *error) {
-    const char *part = scene->part; /* this choice is for the model, not for its .ply */
+    const char *part = scene->part; /* the part chooses in the model's folder; its .ply has no parts */
     scene->part = NULL;
     const tides_status status =
         td_scene_read_one(scene, file, (td_scene_reader){.parse = td_ply_parse}, name, trajectory, scale, error);

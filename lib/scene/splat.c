@@ -1,12 +1,13 @@
 /* .splat (antimatter15's viewer and many after it): no header, 32 bytes per Gaussian, little-endian:
  *     float x y z, float scale x y z (linear), uint8 r g b a (colour 1/2 + C0 dc and opacity, of 255),
  *     uint8 rotation w x y z, (v - 128) / 128
- * Axes are those of the 3DGS .ply from which it was made. There are no SH beyond the constant. */
+ * C0 is 1 / (2 sqrt(pi)), and dc the constant SH coefficient, beyond which there are none. Axes are those of the 3DGS .ply
+ * from which it was made. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_splat.h"
 
-enum { ROW = 32 };
+enum { ROW = 32 }; /* bytes of a Gaussian */
 
 tides_status td_splat_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
     if (size == 0 || size % ROW != 0)

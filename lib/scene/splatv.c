@@ -15,6 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* HEAD: bytes before the JSON. ROW, TEXEL: bytes of a Gaussian, and of a texel; a texture is WIDTH texels wide. The others are
+ * byte offsets in a row. */
 enum { MAGIC = 0x674b, HEAD = 8, ROW = 64, WIDTH = 4096, TEXEL = 16, ROTATION = 12, SCALE = 20, COLOUR = 28, MOTION = 32 };
 enum { OMEGA = 52, CENTRE = 60, SPREAD = 62 };
 

@@ -27,6 +27,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Bytes of the header up to version 3 and in version 4, and of a table's entry. ADOBE: upper half of its records' types. */
 enum { MAGIC = 0x5053474e, HEADER = 16, HEADER_4 = 32, ENTRY = 16, ARRAYS = 6, ADOBE = 0xadbe };
 enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, RECORDS_MAX = 1 << 20 /* bytes; georeferences have a few hundred */ };
 

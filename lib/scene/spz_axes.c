@@ -10,6 +10,7 @@
 #include "td_scene.h"
 #include "td_splat.h"
 
+/* RECORD: bytes of a record before its own. SYSTEMS: the last number of axes; those above UNTURNED have a quarter turn. */
 enum { RECORD = 8, RUB = 4, SYSTEMS = 16, UNTURNED = 8 };
 
 /* Other known records: Adobe's on how SH were quantised and where a camera may orbit, and Niantic's place on the earth. */
@@ -57,8 +58,8 @@ td_spz_axes td_spz_axes_of(uint32_t system) {
     return (td_spz_axes){{right, down, front}, 0};
 }
 
-/* The sign of coefficient k. In band l, m runs from -l to l. The coefficient is odd in z if l + m is odd, odd in y if m < 0,
- * and odd in x if |m|, less 1 where m < 0, is odd. */
+/* The sign of coefficient k. In band l, m runs from -l to l. The coefficient is odd in z if l + m is odd, and odd in y if
+ * m < 0. It is odd in x if m >= 0 and m is odd, or if m < 0 and m is even. */
 float td_spz_harmonic_sign(const double flips[3], size_t k) {
     int l = 0;
     while ((size_t)((l + 1) * (l + 1)) <= k) l++;

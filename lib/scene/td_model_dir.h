@@ -36,8 +36,8 @@ typedef struct td_model_dir {
 /* The name of a method, such as "4DGaussians"; static storage. */
 const char *td_method_name(int method);
 
-/* 1 if `path` is a folder with a model, or a file of one: a ZIP archive named .pth, .pt or .npz, or a .ply with the
- * properties of a moving model. */
+/* 1 if `path` is a folder with a model, or a file of one. Such a file is a ZIP archive named .pth, .pt or .npz, or a .ply with
+ * the properties of a moving model. */
 int td_model_dir_is(const char *path);
 
 /* Finds a model. `path` is its folder, a folder point_cloud/iteration_N in it, or a file of it; for a file, the model's
@@ -48,8 +48,8 @@ int td_model_dir_is(const char *path);
 tides_status td_model_dir_find(const char *path, const char *part, td_model_dir *dir, tides_error *error);
 void td_model_dir_free(td_model_dir *dir); /* leaves an empty one, and may be called twice */
 
-/* Reads a recognised model into a scene, as tides_scene_add_file does. TIDES_UNSUPPORTED names a method that TIDES can't
- * read. */
+/* Reads a recognised model, and adds its objects to a scene, scaled by `scale` and moved by `trajectory` (may be NULL).
+ * TIDES_UNSUPPORTED names a method that TIDES can't read. */
 tides_status td_scene_add_model(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
                                 tides_error *error);
 

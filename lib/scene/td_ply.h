@@ -15,7 +15,7 @@ typedef struct td_ply_file {
 enum { TD_PLY_ASCII = 1, TD_PLY_LITTLE_ENDIAN, TD_PLY_BIG_ENDIAN };
 
 enum {
-    TD_PLY_NONE = 0, /* as a list's count type: the property isn't a list */
+    TD_PLY_NONE = 0, /* the count type of a property that isn't a list */
     TD_PLY_INT8,
     TD_PLY_UINT8,
     TD_PLY_INT16,

@@ -11,8 +11,8 @@
 typedef struct td_gaussians {
     int64_t count;
     int32_t sh_degree;
-    float *mean, *log_scale, *quaternion, *opacity_logit, *sh;
-    double origin[3];      /* [scene units] means are relative to it */
+    float *mean, *log_scale, *quaternion, *opacity_logit, *sh; /* (N x 3), (N x 3), (N x 4) wxyz, (N), (N x K x 3) */
+    double origin[3];                                          /* [scene units] means are relative to it */
     double *mean_double;   /* NULL, or means in double from a reader, until td_scene_take converts them */
     double up[3];          /* up direction in the file; zeros: unknown */
     int32_t trained;       /* TIDES_TRAINED_* */
@@ -53,7 +53,7 @@ static inline float td_narrow(double value) { return value > FLT_MAX ? INFINITY 
 /* Number of coefficients per channel for an SH degree. */
 static inline size_t td_sh_coefficients(int32_t degree) { return (size_t)(degree + 1) * (size_t)(degree + 1); }
 
-/* Converts a colour to the constant SH coefficient dc, and back: colour = 1/2 + C0 dc. */
+/* Converts a colour to the constant SH coefficient dc, and back: colour = 1/2 + dc / (2 sqrt(pi)). */
 float td_splat_dc(double colour);
 double td_splat_colour(double dc);
 
