@@ -207,8 +207,8 @@ tides_status td_readout_step(tides_simulator *simulator, tides_error *error);
 /* Sends on all events that the arbiter still holds. */
 tides_status td_readout_finish(tides_simulator *simulator, tides_error *error);
 
-/* td_progress_begin and td_progress_end frame a run whose progress is asked within steps too; td_progress_step begins to count a step's
- * launches. */
+/* td_progress_begin and td_progress_end frame a run whose progress is asked within steps too; td_progress_step begins to count
+ * a step's launches. */
 void td_progress_begin(tides_simulator *simulator, tides_progress progress, void *user);
 void td_progress_step(tides_simulator *simulator);
 void td_progress_end(tides_simulator *simulator);

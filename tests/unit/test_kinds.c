@@ -154,7 +154,13 @@ static void own(void **state) {
     assert_int_equal(tides_file_foreign(h5, &error), TIDES_OK);
     assert_int_equal(tides_file_foreign(scene_in_folder(*state, "gone"), &error), TIDES_OK);
     assert_int_equal(tides_file_foreign(*state, &error), TIDES_OK);
-    /* AEDAT 4 holds events and frames; its name alone makes no recording. */
+    scene_expect_error(td_kind_refuse(h5, TD_WANTS_RUN, &error), TIDES_BAD_FILE, &error, "an HDF5 file|--set scene.file=");
+    scene_expect_error(td_kind_refuse(npy, TD_WANTS_SCENE, &error), TIDES_BAD_FILE, &error, "a numpy array|tides.Scene");
+}
+
+/* AEDAT 4 holds events and frames; its name alone makes no recording. */
+static void aedat_4(void **state) {
+    tides_error error = {TIDES_OK, ""};
     const char *aedat4 = make(*state, "a.aedat4", BYTES_OF("#!AER-DAT4.0\r\n"), 0);
     assert_int_equal(td_kind_refuse(aedat4, TD_WANTS_FRAMES, &error), TIDES_OK);
     assert_int_equal(td_kind_refuse(aedat4, TD_WANTS_EVENTS, &error), TIDES_OK);
@@ -163,8 +169,6 @@ static void own(void **state) {
     const char *picture = make(*state, "b.aedat4", BYTES_OF("\x89PNG\r\n\x1a\n"), 0);
     assert_int_equal(as_frames(picture, &error), TIDES_BAD_FILE);
     assert_non_null(strstr(error.text, "is a PNG picture, not frames"));
-    scene_expect_error(td_kind_refuse(h5, TD_WANTS_RUN, &error), TIDES_BAD_FILE, &error, "an HDF5 file|--set scene.file=");
-    scene_expect_error(td_kind_refuse(npy, TD_WANTS_SCENE, &error), TIDES_BAD_FILE, &error, "a numpy array|tides.Scene");
 }
 
 /* Folders that are nothing say so, and those of other pictures how they are read. */
@@ -211,7 +215,7 @@ static void frames_alone(void **state) {
 
 int main(void) {
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_setup, scene_folder_teardown)
-    const struct CMUnitTest tests[] = {IN_FOLDER(foreign), IN_FOLDER(pipes), IN_FOLDER(own), IN_FOLDER(folders),
-                                       IN_FOLDER(frames_alone)};
+    const struct CMUnitTest tests[] = {IN_FOLDER(foreign), IN_FOLDER(pipes),   IN_FOLDER(own),
+                                       IN_FOLDER(aedat_4), IN_FOLDER(folders), IN_FOLDER(frames_alone)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
