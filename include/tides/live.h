@@ -74,11 +74,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_live_tell(tides_live *live, int32_
 TIDES_MUST_CHECK TIDES_API tides_status tides_live_run(tides_live *live, double until, const tides_event **events,
                                                        size_t *count, tides_error *error);
 
-/* Appends a pose to each of `told` paths, samples[i] to objects[i] (or TIDES_LIVE_CAMERA), and advances like tides_live_run.
+/* Appends a pose to each of `poses` paths, samples[i] to objects[i] (or TIDES_LIVE_CAMERA), and advances like tides_live_run.
  * If a pose is refused or missing, or the first rendering fails, no pose was appended, and the call may be repeated. Once a
- * step, or the image at the start, is done, the poses stay. `objects` and `samples` are nullable if `told` is 0. */
+ * step, or the image at the start, is done, the poses stay. `objects` and `samples` are nullable if `poses` is 0. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_live_step(tides_live *live, const int32_t *objects,
-                                                        const tides_pose_sample *samples, size_t told, double until,
+                                                        const tides_pose_sample *samples, size_t poses, double until,
                                                         const tides_event **events, size_t *count, tides_error *error);
 
 /* Ends the run at the end of its last step, and gives events that a readout still held. All events together are those of a

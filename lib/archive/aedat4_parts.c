@@ -55,7 +55,7 @@ static void take_text(const char *value, char *out, size_t size) {
     snprintf(out, size, "%.*s", (int)(length < size ? length : size - 1), value ? value : "");
 }
 
-int td_aedat4_next(const char *xml, const char *from, const char *type, td_aedat4_told *t) {
+int td_aedat4_next(const char *xml, const char *from, const char *type, td_aedat4_stream *t) {
     for (t->type = td_aedat4_attribute(from, "typeIdentifier"); t->type && strncmp(t->type, type, 4) != 0;)
         t->type = td_aedat4_attribute(t->type, "typeIdentifier");
     if (!t->type) return 0;

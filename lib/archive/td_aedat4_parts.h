@@ -24,16 +24,16 @@ size_t td_flat_field(td_flat f, size_t table, size_t field, size_t bytes);
 const unsigned char *td_flat_vector(td_flat f, size_t table, size_t field, size_t size, size_t *count);
 
 /* One stream in the XML: its number, its camera, and where its attributes begin and end. */
-typedef struct td_aedat4_told {
+typedef struct td_aedat4_stream {
     int32_t number;
     char name[64];
     const char *type, *end;
-} td_aedat4_told;
+} td_aedat4_stream;
 
 /* The value of an attribute in the XML behind `from`; NULL if there is none. */
 const char *td_aedat4_attribute(const char *from, const char *key);
 /* Finds the next stream of a type behind `from`; 0 if there is none. Its attributes end where the next stream's node begins. */
-int td_aedat4_next(const char *xml, const char *from, const char *type, td_aedat4_told *told);
+int td_aedat4_next(const char *xml, const char *from, const char *type, td_aedat4_stream *told);
 
 /* TIDES_BAD_FILE: the header of `path` is damaged. */
 tides_status td_aedat4_damaged(const char *path, tides_error *error);

@@ -21,6 +21,7 @@ enum family {
     SPLATS,
     EVENTS,
     OLD_AEDAT,
+    AEDAT_4,
     NUMPY,
     HDF5,
     PICKLE,
@@ -64,6 +65,7 @@ static const char *const advice[FAMILIES][TD_WANTS] = {
     [SPLATS] = {[TD_WANTS_ANY] = "scene.file takes it; tides info and render show it",
                 [TD_WANTS_SCENE] = "splat-transform makes a 3DGS .ply of it"},
     [EVENTS] = {[TD_WANTS_ANY] = "it holds events: tides info, view, cut, export, convert and metrics take it"},
+    [AEDAT_4] = {[TD_WANTS_ANY] = "it holds events: tides info, view, cut, export, convert and metrics take it"},
     [OLD_AEDAT] = {[TD_WANTS_ANY] = "AEDAT 2 and 4 are read: export it as one of them, or as text, in DV or jAER"},
     [NUMPY] = {[TD_WANTS_ANY] = "tides info says what is in it; arrays (frames, height, width) go to frames.file",
                [TD_WANTS_RUN] = "--set frames.file=% makes events of frames; what holds events is there already (tides info)",
@@ -95,10 +97,12 @@ static const char *const wishes[TD_WANTS] = {[TD_WANTS_SCENE] = "a scene of spla
 static int is_wanted(int family, int wanted) {
     switch (wanted) {
         case TD_WANTS_SCENE: return family == HDF5;
-        case TD_WANTS_EVENTS: return family == EVENTS || family == HDF5 || family == NUMPY;
+        case TD_WANTS_EVENTS: return family == EVENTS || family == AEDAT_4 || family == HDF5 || family == NUMPY;
         case TD_WANTS_POSES: return family == NUMPY;
-        case TD_WANTS_FRAMES: return family == FRAMES || family == HDF5 || family == NUMPY;
-        case TD_WANTS_ANY: return family == HDF5 || family == NUMPY || family == EVENTS || family == SPLATS || family == FRAMES;
+        case TD_WANTS_FRAMES: return family == FRAMES || family == AEDAT_4 || family == HDF5 || family == NUMPY;
+        case TD_WANTS_ANY:
+            return family == HDF5 || family == NUMPY || family == EVENTS || family == AEDAT_4 || family == SPLATS ||
+                   family == FRAMES;
         default: return 0;
     }
 }
@@ -183,6 +187,7 @@ static const kind kinds[] = {
     {NULL, 0, 0, ".lcc2", "an LCC2 scene", SPLATS},
     {MAGIC("#!AER-DAT1"), 0, NULL, "an AEDAT 1 recording", OLD_AEDAT},
     {MAGIC("#!AER-DAT3"), 0, NULL, "an AEDAT 3 recording", OLD_AEDAT},
+    {MAGIC("#!AER-DAT4"), 0, NULL, "an AEDAT 4 recording", AEDAT_4},
     {MAGIC("#!AER-DAT"), 0, NULL, "an AEDAT recording", EVENTS},
     {MAGIC("Event Stream"), 0, NULL, "an Event Stream recording", EVENTS},
     {MAGIC("% evt "), 0, NULL, "an EVT recording", EVENTS},

@@ -61,9 +61,9 @@ static inline int64_t td_integer(double x) {
 
 /* Prefetches memory that is read a little later. */
 #if defined(__GNUC__)
-#define TD_SOON(place) __builtin_prefetch(place)
+#define TD_PREFETCH(place) __builtin_prefetch(place)
 #else
-#define TD_SOON(place) ((void)(place))
+#define TD_PREFETCH(place) ((void)(place))
 #endif
 
 /* The first k' >= k with mark[k'] != 0, or count. Marks are 0.0 or 1.0, and few are 1: eight are passed over at a time. */

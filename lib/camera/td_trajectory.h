@@ -36,6 +36,6 @@ TIDES_MUST_CHECK tides_status td_trajectory_begin(tides_trajectory *trajectory, 
 void td_trajectory_take_back(tides_trajectory *trajectory, size_t count);
 
 /* 1 if an open path is known up to `offset` seconds after `epoch`; always 1 for other paths. */
-int32_t td_trajectory_told(const tides_trajectory *trajectory, double epoch, double offset);
+int32_t td_trajectory_reaches(const tides_trajectory *trajectory, double epoch, double offset);
 
 #endif

@@ -136,7 +136,7 @@ void tides_trajectory_forget(tides_trajectory *trajectory, double time) {
     memmove(trajectory->samples, trajectory->samples + gone, trajectory->count * sizeof *trajectory->samples);
 }
 
-int32_t td_trajectory_told(const tides_trajectory *trajectory, double epoch, double offset) {
+int32_t td_trajectory_reaches(const tides_trajectory *trajectory, double epoch, double offset) {
     if (!trajectory || !trajectory->is_open) return 1;
     const double relative = (epoch - trajectory->origin) + offset;
     const double told = trajectory->samples[trajectory->count - 1].time - trajectory->origin;

@@ -25,18 +25,18 @@ static int detect_aedat4(const td_event_probe *probe) {
 
 /* ---- the header ---- */
 
-static int is_named(const td_aedat4_told *t, const char *stream) {
+static int is_named(const td_aedat4_stream *t, const char *stream) {
     char number[16];
     snprintf(number, sizeof number, "%d", t->number);
     return strcmp(stream, number) == 0 || strcmp(stream, t->name) == 0;
 }
 
 /* Finds the requested stream, or the only one; otherwise the error lists all. */
-static tides_status choose_stream(td_event_stream *stream, const char *xml, td_aedat4_told *chosen, tides_error *error) {
+static tides_status choose_stream(td_event_stream *stream, const char *xml, td_aedat4_stream *chosen, tides_error *error) {
     const char *wanted = stream->reading.stream;
     char list[256] = "";
     int found = 0, fitting = 0;
-    td_aedat4_told one;
+    td_aedat4_stream one;
     for (const char *at = xml; td_aedat4_next(xml, at, "EVTS", &one); at = one.type) {
         const size_t length = strlen(list);
         snprintf(list + length, sizeof list - length, "%s%d%s%s%s", found ? ", " : "", one.number, one.name[0] ? " (" : "",
@@ -54,7 +54,7 @@ static tides_status choose_stream(td_event_stream *stream, const char *xml, td_a
 
 static tides_status parse_description(td_event_stream *stream, const char *xml, tides_error *error) {
     aedat4_state *state = stream->state;
-    td_aedat4_told chosen = {.number = 0}, frames;
+    td_aedat4_stream chosen = {.number = 0}, frames;
     tides_status status = choose_stream(stream, xml, &chosen, error);
     if (status != TIDES_OK) return status;
     state->stream = chosen.number;

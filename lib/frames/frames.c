@@ -74,9 +74,8 @@ tides_status tides_frames_open(const char *path, const tides_frames_options *opt
     made->path = td_strdup(path, error);
     status = made->path ? open_source(made, error) : TIDES_NO_MEMORY;
     /* If a source can't read the file, td_kind_judge checks if the file is of a known kind without frames; its error then
-     * replaces the source's. It takes every AEDAT file for one of events. AEDAT 4 may hold frames as well, so there the
-     * source's own message stays. */
-    if (made->path && !td_ends_in(path, ".aedat4")) status = td_kind_judge(path, TD_WANTS_FRAMES, status, error);
+     * replaces the source's. */
+    if (made->path) status = td_kind_judge(path, TD_WANTS_FRAMES, status, error);
     if (status == TIDES_OK) status = td_frames_times(made, error);
     if (status == TIDES_OK) status = td_frames_range(made, error);
     made->options.timestamps = NULL; /* the string is the caller's, and its file has been read */

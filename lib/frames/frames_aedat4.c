@@ -134,7 +134,7 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
 
 static tides_status parse_header(tides_frames *frames, td_flat header, tides_error *error) {
     recording *r = frames->state;
-    td_aedat4_told told, other;
+    td_aedat4_stream told, other;
     char *xml = NULL;
     uint64_t end = 0;
     const tides_status status = td_aedat4_header(header, frames->path, &r->compression, &end, &xml, error);

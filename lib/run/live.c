@@ -173,7 +173,7 @@ void tides_live_close(tides_live *live) {
 /* -- appending poses --------------------------------------------------------------------------------------------------- */
 
 static tides_trajectory *path_of(const tides_live *live, int32_t object) {
-    return object == TIDES_LIVE_CAMERA ? live->camera : td_scene_told(live->scene, object);
+    return object == TIDES_LIVE_CAMERA ? live->camera : td_scene_open_path(live->scene, object);
 }
 
 /* Puts the camera, or the object's number, in front of `error`. */
@@ -280,7 +280,7 @@ static void forget(tides_live *live) {
     const double reached = tides_live_reached(live);
     tides_trajectory_forget(live->camera, reached);
     for (int32_t i = 0; i < tides_scene_objects(live->scene); i++)
-        tides_trajectory_forget(td_scene_told(live->scene, i), reached);
+        tides_trajectory_forget(td_scene_open_path(live->scene, i), reached);
 }
 
 static tides_status check_until(const tides_live *live, double until, double slack, tides_error *error) {
@@ -348,16 +348,16 @@ tides_status tides_live_finish(tides_live *live, const tides_event **events, siz
     return TIDES_OK;
 }
 
-tides_status tides_live_step(tides_live *live, const int32_t *objects, const tides_pose_sample *samples, size_t told,
+tides_status tides_live_step(tides_live *live, const int32_t *objects, const tides_pose_sample *samples, size_t poses,
                              double until, const tides_event **events, size_t *count, tides_error *error) {
-    if (!live || (told && !(objects && samples)))
+    if (!live || (poses && !(objects && samples)))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_step: live, objects or samples is NULL");
-    live_mark *marks = td_alloc(told + 1, sizeof *marks, error);
+    live_mark *marks = td_alloc(poses + 1, sizeof *marks, error);
     if (!marks) return TIDES_NO_MEMORY;
     size_t marked = 0;
     const td_reached before = td_simulator_reached(live->simulator);
     tides_status status = TIDES_OK;
-    for (size_t i = 0; i < told && status == TIDES_OK; i++) {
+    for (size_t i = 0; i < poses && status == TIDES_OK; i++) {
         status = mark(live, objects[i], &marks[marked++], error);
         if (status == TIDES_OK) status = tides_live_tell(live, objects[i], samples + i, 1, error);
     }

@@ -178,7 +178,7 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
     tides_status status = TIDES_OK;
     if (!cJSON_IsObject(root)) return td_fail(error, TIDES_BAD_CONFIG, "%s: isn't a JSON object { ... }", where);
     cJSON_ArrayForEach(group, root) {
-        const int32_t told = td_preset_told(group);
+        const int32_t told = td_preset_tells(group);
         if (told > 0) continue;
         if (told < 0)
             return td_fail(error, TIDES_BAD_CONFIG,

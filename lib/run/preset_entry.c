@@ -54,7 +54,7 @@ static int32_t counts(const cJSON *item) {
     return cJSON_IsNumber(item) && item->valueint >= 1 && item->valuedouble == item->valueint;
 }
 
-int32_t td_preset_told(const cJSON *item) {
+int32_t td_preset_tells(const cJSON *item) {
     if (strcmp(item->string, "about") == 0) return cJSON_IsString(item) ? 1 : -1;
     if (strcmp(item->string, "version") == 0) return counts(item) ? 1 : -1;
     if (strcmp(item->string, "resolution") != 0) return 0;

@@ -80,11 +80,11 @@ tides_status td_run_biases(tides_run *run, tides_error *error);
 
 /* Sets rows from sensor.preset, unless a stronger source gives them. */
 tides_status td_run_preset(tides_run *run, tides_error *error);
-/* Checks a preset's entry for a row, plain or with source, and finds its value. td_preset_told: 1 if `item` is a valid member
+/* Checks a preset's entry for a row, plain or with source, and finds its value. td_preset_tells: 1 if `item` is a valid member
  * beside the values (about, version, resolution), -1 if it is an invalid one, else 0. */
 tides_status td_preset_entry(const tides_param *row, const cJSON *item, const char *where, const cJSON **value,
                              tides_error *error);
-int32_t td_preset_told(const cJSON *item);
+int32_t td_preset_tells(const cJSON *item);
 /* 1 if it is a path, and not the name of a preset. */
 int32_t td_preset_is_file(const char *name);
 /* The file of a preset, given by path or found by name; allocated. NULL: it is embedded or unknown, or memory is short. */

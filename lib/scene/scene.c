@@ -19,7 +19,7 @@ tides_status tides_scene_create(tides_scene **scene, tides_error *error) {
 }
 
 static void object_free(td_object *object) {
-    tides_trajectory_destroy(object->told);
+    tides_trajectory_destroy(object->open_path);
     if (object->is_lent) return;
     td_gaussians_free(&object->gaussians);
     tides_trajectory_destroy(object->trajectory);
@@ -183,7 +183,7 @@ tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_o
     if (status != TIDES_OK) return status;
     const td_object *found = &scene->objects[index];
     *object = (tides_object){.gaussians = td_gaussians_view(&found->gaussians),
-                             .trajectory = found->told ? found->told : found->trajectory,
+                             .trajectory = found->open_path ? found->open_path : found->trajectory,
                              .scale = found->scale,
                              .name = found->name,
                              .source = found->source,

@@ -29,8 +29,8 @@ typedef struct td_object {
     char *name, *source;
     tides_motion *motion; /* NULL: none; owned */
     double duration_s;
-    tides_trajectory *told; /* NULL, or an open path that replaces `trajectory` */
-    int32_t is_lent;        /* 1: all fields but `told` belong to another scene */
+    tides_trajectory *open_path; /* NULL, or an open path that replaces `trajectory` */
+    int32_t is_lent;             /* 1: all fields but `open_path` belong to another scene */
 } td_object;
 
 struct tides_scene {
@@ -168,7 +168,7 @@ tides_status td_scene_lend(const tides_scene *scene, tides_scene **lent, tides_e
 tides_status td_scene_tell(tides_scene *lent, int32_t index, const tides_pose_sample *first, tides_error *error);
 
 /* The open path of an object; NULL: none. */
-tides_trajectory *td_scene_told(const tides_scene *scene, int32_t index);
+tides_trajectory *td_scene_open_path(const tides_scene *scene, int32_t index);
 
 /* -- objects at one time -- */
 

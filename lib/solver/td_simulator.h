@@ -24,12 +24,12 @@ typedef struct td_sample {
 } td_sample;
 
 /* A run's progress while a step is under way. */
-typedef struct td_asking {
-    tides_progress progress; /* NULL: not asked */
+typedef struct td_run_progress {
+    tides_progress call; /* NULL: nobody asks */
     void *user;
     int64_t launches, usual; /* launches of this step so far, and of the step before */
     int stopped;             /* 1: stopped within a step */
-} td_asking;
+} td_run_progress;
 
 /* The state at the beginning of a step, which is restored if the step is stopped. */
 typedef struct td_undo {
@@ -117,7 +117,7 @@ struct tides_simulator {
     td_portion done;    /* the run's results: events for the next packet, and counts */
     td_sharing sharing; /* work under way, on several threads */
     td_packet packet;
-    td_asking asking;
+    td_run_progress progress;
     td_undo undo;
     td_totals totals;
 };
@@ -207,11 +207,11 @@ tides_status td_readout_step(tides_simulator *simulator, tides_error *error);
 /* Sends on all events that the arbiter still holds. */
 tides_status td_readout_finish(tides_simulator *simulator, tides_error *error);
 
-/* td_ask_begin and td_ask_end frame a run whose progress is asked within steps too; td_ask_step begins to count a step's
- * launches. */
-void td_ask_begin(tides_simulator *simulator, tides_progress progress, void *user);
-void td_ask_step(tides_simulator *simulator);
-void td_ask_end(tides_simulator *simulator);
+/* td_progress_begin and td_progress_end frame a run whose progress is asked within steps too; td_progress_step begins to count
+ * a step's launches. */
+void td_progress_begin(tides_simulator *simulator, tides_progress progress, void *user);
+void td_progress_step(tides_simulator *simulator);
+void td_progress_end(tides_simulator *simulator);
 
 /* td_undo_keep keeps the state at the beginning of a step that somebody may stop. td_undo_stopped goes back to it where the
  * status says so. */

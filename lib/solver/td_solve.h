@@ -120,7 +120,7 @@ typedef struct td_solve {
     td_solve_step *step; /* steps that are being solved, numbered as refine.step */
     size_t step_capacity;
     td_solve_batch batch[TD_SOLVE_BATCHES]; /* used in turns */
-    int asking;                             /* number of the one that is being filled */
+    int filling;                            /* number of the one that is being filled */
     size_t enough;                          /* points of a full batch, while the device works on another */
     size_t enough_now;                      /* and now: smaller at first, when the device has nothing to do */
 } td_solve;
@@ -173,9 +173,9 @@ TIDES_MUST_CHECK tides_status td_solve_measure(tides_simulator *s, tides_error *
 
 /* -- parts of it ---------------------------------------------------------------------------------------------------------- */
 
-/* td_solve_asking: the batch that is being filled. td_solve_ask requests a point for a pixel of a unit; `asked` is returned
+/* td_solve_filling: the batch that is being filled. td_solve_ask requests a point for a pixel of a unit; `asked` is returned
  * with the value. */
-static inline td_solve_batch *td_solve_asking(td_solve *solve) { return &solve->batch[solve->asking]; }
+static inline td_solve_batch *td_solve_filling(td_solve *solve) { return &solve->batch[solve->filling]; }
 TIDES_MUST_CHECK tides_status td_solve_ask(td_solve_batch *batch, const td_tile *tile, int32_t local, double time,
                                            const td_asked *asked, tides_error *error);
 

@@ -4152,11 +4152,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     # tides_simulator *tides_live_simulator(const tides_live *live)
     "tides_live_simulator": (P(tides_simulator), [P(tides_live)], "live"),
     # tides_status tides_live_step(tides_live *live, const int32_t *objects, const tides_pose_sample *samples, size_t
-    # told, double until, const tides_event **events, size_t *count, tides_error *error)
+    # poses, double until, const tides_event **events, size_t *count, tides_error *error)
     "tides_live_step": (c_int32, [
         P(tides_live), P(c_int32), P(tides_pose_sample), c_size_t, c_double, P(P(tides_event)), P(c_size_t),
         P(tides_error)
-    ], "live objects samples told until events count error"),
+    ], "live objects samples poses until events count error"),
     # tides_status tides_live_tell(tides_live *live, int32_t object, const tides_pose_sample *samples, size_t count,
     # tides_error *error)
     "tides_live_tell": (c_int32, [

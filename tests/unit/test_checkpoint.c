@@ -129,7 +129,7 @@ static void stop_and_go_on(const job *j, tides_device *device, int stop_at, cons
     assert_int_equal(w.calls, stop_at);
     if (w.last < 1.0 / (double)s->grid.steps) {
         assert_true(s->step == 0 && pieces->count == 0);
-        assert_int_equal(s->asking.launches, stop_at + 1); /* the first isn't asked, and the last not done */
+        assert_int_equal(s->progress.launches, stop_at + 1); /* the first isn't asked, and the last not done */
     }
     if (file) cut(j, device, file, &s);
     advance(s, j->stop, pieces);

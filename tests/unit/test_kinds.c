@@ -158,6 +158,19 @@ static void own(void **state) {
     scene_expect_error(td_kind_refuse(npy, TD_WANTS_SCENE, &error), TIDES_BAD_FILE, &error, "a numpy array|tides.Scene");
 }
 
+/* AEDAT 4 holds events and frames; its name alone makes no recording. */
+static void aedat_4(void **state) {
+    tides_error error = {TIDES_OK, ""};
+    const char *aedat4 = make(*state, "a.aedat4", BYTES_OF("#!AER-DAT4.0\r\n"), 0);
+    assert_int_equal(td_kind_refuse(aedat4, TD_WANTS_FRAMES, &error), TIDES_OK);
+    assert_int_equal(td_kind_refuse(aedat4, TD_WANTS_EVENTS, &error), TIDES_OK);
+    scene_expect_error(td_kind_refuse(aedat4, TD_WANTS_SCENE, &error), TIDES_BAD_FILE, &error,
+                       "an AEDAT 4 recording|tides info");
+    const char *picture = make(*state, "b.aedat4", BYTES_OF("\x89PNG\r\n\x1a\n"), 0);
+    assert_int_equal(as_frames(picture, &error), TIDES_BAD_FILE);
+    assert_non_null(strstr(error.text, "is a PNG picture, not frames"));
+}
+
 /* Folders that are nothing say so, and those of other pictures how they are read. */
 static void folders(void **state) {
     tides_error error = {TIDES_OK, ""};
@@ -202,7 +215,7 @@ static void frames_alone(void **state) {
 
 int main(void) {
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_setup, scene_folder_teardown)
-    const struct CMUnitTest tests[] = {IN_FOLDER(foreign), IN_FOLDER(pipes), IN_FOLDER(own), IN_FOLDER(folders),
-                                       IN_FOLDER(frames_alone)};
+    const struct CMUnitTest tests[] = {IN_FOLDER(foreign), IN_FOLDER(pipes),   IN_FOLDER(own),
+                                       IN_FOLDER(aedat_4), IN_FOLDER(folders), IN_FOLDER(frames_alone)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

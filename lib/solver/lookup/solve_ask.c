@@ -42,7 +42,7 @@ tides_status td_solve_receive(tides_simulator *s, tides_error *error) {
 }
 
 tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {
-    tides_status status = td_solve_send(s, td_solve_asking(&s->solve), error);
+    tides_status status = td_solve_send(s, td_solve_filling(&s->solve), error);
     return status == TIDES_OK ? td_solve_receive(s, error) : status;
 }
 
@@ -54,7 +54,7 @@ int td_solve_is_busy(const tides_simulator *s) {
 
 int td_solve_has_enough(const tides_simulator *s) {
     const td_solve *solve = &s->solve;
-    return solve->batch[solve->asking].points >= solve->enough_now && td_renderer_points_go_on(s->renderer);
+    return solve->batch[solve->filling].points >= solve->enough_now && td_renderer_points_go_on(s->renderer);
 }
 
 void td_solve_clear_batches(tides_simulator *s) {

@@ -14,9 +14,9 @@ enum { FEWEST_POINTS = 512, FEWEST_PIXELS = 64 };
 
 /* -- what comes back ------------------------------------------------------------------------------------------------------- */
 
-static void soon(const td_looked *looked) {
-    TD_SOON(looked);
-    TD_SOON((const char *)(looked + 1) - 1);
+static void prefetch(const td_looked *looked) {
+    TD_PREFETCH(looked);
+    TD_PREFETCH((const char *)(looked + 1) - 1);
 }
 
 /* Puts a value that was looked up at an end of a step in the sample's place. If it is the macro step's end, the next macro step
@@ -53,7 +53,7 @@ static tides_status take_some(const tides_simulator *s, td_portion *portion, int
     const int32_t number = (int32_t)(solve->found_count - back->points);
     (void)portion, (void)error;
     for (int k = whole(back, first), stop = whole(back, end); k < stop; k++) {
-        if (k + AHEAD < stop) soon(&looked[back->asked[k + AHEAD].looked]);
+        if (k + AHEAD < stop) prefetch(&looked[back->asked[k + AHEAD].looked]);
         const td_asked *asked = &back->asked[k];
         if (asked->s > 0 && asked->s < 1)
             td_solve_insert(solve, &looked[asked->looked], number + k, asked->s, &back->value[k]);
@@ -88,7 +88,7 @@ static tides_status run_some(const tides_simulator *s, td_portion *portion, int 
                                      sizeof *asks->pixel, error);
     for (int k = first; k < end && status == TIDES_OK; k++) {
         td_solving *pixel = &all->pixel[k];
-        if (k + AHEAD < end) soon(&looked[all->pixel[k + AHEAD].next]);
+        if (k + AHEAD < end) prefetch(&looked[all->pixel[k + AHEAD].next]);
         if (pixel->waits == all->waited) status = td_solve_run(s, portion, looked, pixel, error);
         pixel->waits = 0;
         if (pixel->next < pixel->end) asks->pixel[asks->pixels++] = *pixel;
@@ -99,11 +99,11 @@ static tides_status run_some(const tides_simulator *s, td_portion *portion, int 
 /* Runs pixels of a batch: with `waited` those that waited for their references, else the others. All that aren't settled then
  * move to the batch that is being filled, with the points that they request. The two batches may be the same. */
 static tides_status run_pixels(tides_simulator *s, td_solve_batch *from, int waited, tides_error *error) {
-    td_solve_batch *asking = td_solve_asking(&s->solve);
+    td_solve_batch *filling = td_solve_filling(&s->solve);
     const size_t count = from->pixels;
     from->pixels = 0;
     tides_status status =
-        td_reserve((void **)&asking->pixel, &asking->pixel_capacity, asking->pixels + count, sizeof *asking->pixel, error);
+        td_reserve((void **)&filling->pixel, &filling->pixel_capacity, filling->pixels + count, sizeof *filling->pixel, error);
     const running all = {from->pixel, waited};
     return status == TIDES_OK ? td_share_out(s, (int)count, FEWEST_PIXELS, run_some, &all, error) : status;
 }
@@ -112,15 +112,15 @@ static tides_status run_pixels(tides_simulator *s, td_solve_batch *from, int wai
 
 tides_status td_solve_turn(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
-    td_solve_batch *full = td_solve_asking(solve),
-                   *back = &solve->batch[(solve->asking + TD_SOLVE_BATCHES - 1) % TD_SOLVE_BATCHES];
+    td_solve_batch *full = td_solve_filling(solve),
+                   *back = &solve->batch[(solve->filling + TD_SOLVE_BATCHES - 1) % TD_SOLVE_BATCHES];
     tides_status status = td_solve_receive(s, error);
     if (status == TIDES_OK && s->done.solve.refer.count > 0) { /* no batch is with the device now */
         status = td_solve_refer(s, error);
         if (status == TIDES_OK) status = run_pixels(s, full, 1, error);
     }
     if (status == TIDES_OK) status = td_solve_send(s, full, error);
-    solve->asking = (solve->asking + 1) % TD_SOLVE_BATCHES;
+    solve->filling = (solve->filling + 1) % TD_SOLVE_BATCHES;
     solve->enough_now = 2 * solve->enough_now < solve->enough ? 2 * solve->enough_now : solve->enough;
     if (status == TIDES_OK) status = take(s, back, error);
     back->points = 0;

@@ -68,7 +68,7 @@ tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
 
 /* Lists a pixel at rest, without steps, and requests its value. Point k of the batch is then pixel k's. */
 static tides_status ask_at_rest(tides_simulator *s, int t, int32_t local, double start, tides_error *error) {
-    td_solve_batch *batch = td_solve_asking(&s->solve);
+    td_solve_batch *batch = td_solve_filling(&s->solve);
     const td_asked asked = {-1, local, 0};
     tides_status status =
         td_reserve((void **)&batch->pixel, &batch->pixel_capacity, batch->pixels + 1, sizeof *batch->pixel, error);
@@ -101,7 +101,7 @@ static tides_status ask_still(tides_simulator *s, int t, const td_step *span, do
 
 tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error) {
     const td_solve *solve = &s->solve;
-    const td_solve_batch *batch = td_solve_asking(&s->solve);
+    const td_solve_batch *batch = td_solve_filling(&s->solve);
     tides_status status = TIDES_OK;
     if (!solve->on || !s->sensor.active_at_rest) return TIDES_OK;
     td_solve_clear_batches(s);

@@ -216,14 +216,14 @@ static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, v
 
 /* Advances to grid point `last`. */
 static tides_status advance_to(tides_simulator *s, int64_t last, tides_event_sink sink, void *sink_user, tides_error *error) {
-    const td_asking *asking = &s->asking;
+    const td_run_progress *progress = &s->progress;
     tides_status status = TIDES_OK;
     while (status == TIDES_OK && s->step < last) {
-        td_ask_step(s);
+        td_progress_step(s);
         status = s->given.mode == TIDES_STEPPING_FIXED ? advance_fixed(s, last - s->step, sink, sink_user, error)
                                                        : advance_refined(s, sink, sink_user, error);
-        if (!asking->progress || (status != TIDES_OK && !asking->stopped)) continue;
-        if (asking->stopped || asking->progress(asking->user, (double)s->step / (double)s->grid.steps, "simulating"))
+        if (!progress->call || (status != TIDES_OK && !progress->stopped)) continue;
+        if (progress->stopped || progress->call(progress->user, (double)s->step / (double)s->grid.steps, "simulating"))
             status = td_fail(error, TIDES_CANCELLED, "stopped on request at %.9g s", td_time_reached(s));
     }
     return status;
@@ -237,13 +237,13 @@ static tides_status fail_untold(const tides_simulator *s, const char *path, doub
 /* Fails where an open path hasn't been extended as far as grid point `last`. */
 static tides_status check_told(const tides_simulator *s, int64_t last, tides_error *error) {
     const double until = td_grid_time(s, last);
-    if (!td_trajectory_told(s->camera, s->epoch, until)) return fail_untold(s, "the camera's path", until, error);
+    if (!td_trajectory_reaches(s->camera, s->epoch, until)) return fail_untold(s, "the camera's path", until, error);
     for (int32_t i = 0; i < tides_scene_objects(s->scene); i++) {
         tides_object object;
         char named[128];
         tides_status status = tides_scene_object(s->scene, i, &object, error);
         if (status != TIDES_OK) return status;
-        if (td_trajectory_told(object.trajectory, s->epoch, until)) continue;
+        if (td_trajectory_reaches(object.trajectory, s->epoch, until)) continue;
         snprintf(named, sizeof named, "the path of object %d ('%.80s')", (int)i, object.name);
         return fail_untold(s, named, until, error);
     }
@@ -276,9 +276,9 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     /* An open path with one pose has no rates yet, so that the first sample waits for the second pose. */
     const int32_t begins = !simulator->started && (last > 0 || check_told(simulator, 1, NULL) == TIDES_OK);
     if (begins && status == TIDES_OK) status = td_begin(simulator, error);
-    td_ask_begin(simulator, progress, user);
+    td_progress_begin(simulator, progress, user);
     if (status == TIDES_OK) status = advance_to(simulator, last, sink, sink_user, error);
-    td_ask_end(simulator);
+    td_progress_end(simulator);
     simulator->totals.here.run_time_s += td_now() - begun;
     simulator->totals.here.time_alone_s += td_own_time() - own;
     return status;

@@ -4,7 +4,7 @@
  * joins them with the counts from before the run was restored from a checkpoint. From the result it derives the other values.
  *
  * The tool's --stats, checkpoints, language bindings and the undoing of a step all walk the table. So a new statistic needs
- * a field of tides_stats and a row of the table. If the simulator doesn't count it in that field of its own `stats`, the
+ * a field of tides_stats and a row of the table. If the simulator doesn't count it in that field of `totals.here`, the
  * row says where the counter is. */
 #include "solver/td_simulator.h"
 
@@ -13,7 +13,7 @@
 /* A row of the table: its public part, and the place of its counter, which is a uint64_t or a double. */
 typedef struct counted {
     tides_stat stat;
-    size_t source; /* offset of the counter in tides_simulator; IN_STATS: in its `stats` or the renderer's, or derived */
+    size_t source; /* offset of the counter in tides_simulator; IN_STATS: in `totals.here` or the renderer's, or derived */
 } counted;
 #define IN_STATS ((size_t)-1)
 

@@ -9,31 +9,31 @@
 /* Launches assumed for the first step; for later steps, the number of the step before. */
 static const int64_t usual_at_first = 16;
 
-/* -- asking ---------------------------------------------------------------------------------------------------------------- */
+/* -- progress -------------------------------------------------------------------------------------------------------------- */
 
 /* A td_interrupt, called before a launch; it asks only from a step's second launch on. The number of launches to come isn't
  * known. After as many as the last step took, half of this step counts as done, so that progress never goes back. */
 static int ask(void *user) {
     const tides_simulator *s = user;
-    td_asking *asking = &((tides_simulator *)user)->asking;
-    if (asking->launches++ == 0) return 0;
-    const double done = (double)asking->launches, part = done / (done + (double)asking->usual);
-    asking->stopped = asking->progress(asking->user, ((double)s->step + part) / (double)s->grid.steps, "simulating") != 0;
-    return asking->stopped;
+    td_run_progress *progress = &((tides_simulator *)user)->progress;
+    if (progress->launches++ == 0) return 0;
+    const double done = (double)progress->launches, part = done / (done + (double)progress->usual);
+    progress->stopped = progress->call(progress->user, ((double)s->step + part) / (double)s->grid.steps, "simulating") != 0;
+    return progress->stopped;
 }
 
-void td_ask_begin(tides_simulator *s, tides_progress progress, void *user) {
-    s->asking = (td_asking){progress, user, 0, usual_at_first, 0};
+void td_progress_begin(tides_simulator *s, tides_progress progress, void *user) {
+    s->progress = (td_run_progress){progress, user, 0, usual_at_first, 0};
     if (progress) td_renderer_set_interrupt(s->renderer, ask, s);
 }
 
-void td_ask_step(tides_simulator *s) {
-    if (s->asking.launches > 0) s->asking.usual = s->asking.launches;
-    s->asking.launches = 0;
+void td_progress_step(tides_simulator *s) {
+    if (s->progress.launches > 0) s->progress.usual = s->progress.launches;
+    s->progress.launches = 0;
 }
 
-void td_ask_end(tides_simulator *s) {
-    s->asking.progress = NULL;
+void td_progress_end(tides_simulator *s) {
+    s->progress.call = NULL;
     td_renderer_set_interrupt(s->renderer, NULL, NULL);
 }
 
@@ -51,7 +51,7 @@ static td_state table_of(tides_simulator *s) {
 
 tides_status td_undo_keep(tides_simulator *s, tides_error *error) {
     td_undo *undo = &s->undo;
-    if (!s->asking.progress) return TIDES_OK;
+    if (!s->progress.call) return TIDES_OK;
     const td_state state = table_of(s);
     size_t bytes = 0, at = 0;
     if (state.lost > 0) return td_fail(error, TIDES_NO_MEMORY, "the table of state has no room for %d rows", state.lost);
@@ -68,7 +68,7 @@ tides_status td_undo_keep(tides_simulator *s, tides_error *error) {
 
 void td_undo_stopped(tides_simulator *s, tides_status status) {
     const td_undo *undo = &s->undo;
-    if (status != TIDES_CANCELLED || !s->asking.progress) return;
+    if (status != TIDES_CANCELLED || !s->progress.call) return;
     const td_state state = table_of(s);
     size_t at = 0;
     for (int i = 0; i < state.rows; at += bytes_of(&state.row[i++]))

@@ -74,7 +74,7 @@ tides_status td_solve_join(tides_simulator *s, const td_solve_portion *portion, 
     to->events += portion->events;
     tides_status status = append((void **)&to->looked, &to->looked_count, &to->looked_capacity, portion->looked,
                                  portion->looked_count, sizeof *to->looked, error);
-    if (status == TIDES_OK) status = join_asks(td_solve_asking(&s->solve), &portion->own, from, error);
+    if (status == TIDES_OK) status = join_asks(td_solve_filling(&s->solve), &portion->own, from, error);
     if (status == TIDES_OK) status = join_references(&to->refer, &portion->refer, error);
     return status == TIDES_OK ? td_solve_join_samples(s, portion, error) : status;
 }

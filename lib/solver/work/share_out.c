@@ -83,7 +83,7 @@ static void work_on(void *user, int k) {
 }
 
 static tides_status run_alone(tides_simulator *s, int count, td_portion_worker worker, const void *user, tides_error *error) {
-    s->done.solve.asks = td_solve_asking(&s->solve);
+    s->done.solve.asks = td_solve_filling(&s->solve);
     return worker(s, &s->done, 0, count, user, error);
 }
 

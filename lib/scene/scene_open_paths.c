@@ -20,7 +20,7 @@ tides_status td_scene_lend(const tides_scene *scene, tides_scene **lent, tides_e
     made->count = scene->count;
     for (size_t i = 0; i < made->count; i++) {
         made->objects[i].is_lent = 1;
-        made->objects[i].told = NULL;
+        made->objects[i].open_path = NULL;
     }
     *lent = made;
     return TIDES_OK;
@@ -30,15 +30,15 @@ tides_status td_scene_tell(tides_scene *lent, int32_t index, const tides_pose_sa
     tides_status status = td_scene_check_index(lent, index, error);
     if (status != TIDES_OK) return status;
     td_object *object = lent->objects + index;
-    tides_trajectory_destroy(object->told);
-    object->told = NULL;
-    return tides_trajectory_create_open(first, 1, &object->told, error);
+    tides_trajectory_destroy(object->open_path);
+    object->open_path = NULL;
+    return tides_trajectory_create_open(first, 1, &object->open_path, error);
 }
 
-tides_trajectory *td_scene_told(const tides_scene *scene, int32_t index) {
+tides_trajectory *td_scene_open_path(const tides_scene *scene, int32_t index) {
     if (index < 0 || (size_t)index >= scene->count) return NULL;
     const td_object *object = scene->objects + index;
-    tides_trajectory *path = object->told ? object->told : object->is_lent ? NULL : object->trajectory;
+    tides_trajectory *path = object->open_path ? object->open_path : object->is_lent ? NULL : object->trajectory;
     return tides_trajectory_is_open(path) ? path : NULL;
 }
 
@@ -47,7 +47,7 @@ tides_status tides_scene_append(tides_scene *scene, int32_t index, const tides_p
     if (!scene || !samples) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_append: scene or samples is NULL");
     tides_status status = td_scene_check_index(scene, index, error);
     if (status != TIDES_OK) return status;
-    tides_trajectory *path = td_scene_told(scene, index);
+    tides_trajectory *path = td_scene_open_path(scene, index);
     if (!path)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "object %d ('%.80s') has no open path: add it with one that tides_trajectory_create_open made",
