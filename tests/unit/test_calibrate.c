@@ -16,8 +16,8 @@
 
 enum { WIDTH = 40, HEIGHT = 30, SPLATS = 40 };
 
-/* Splats of many brightnesses before a camera that swings, on a clock of its own. */
-static void write_world(void *folder) {
+/* Splats of many brightnesses; `shift` makes another scene of them. */
+static void write_splats(void *folder, const char *name, int shift) {
     static const char head[] =
         "ply\nformat ascii 1.0\ncomment ColourTransfer: linear\nelement vertex 40\n"
         "property float x\nproperty float y\nproperty float z\n"
@@ -26,13 +26,20 @@ static void write_world(void *folder) {
         "property float rot_0\nproperty float rot_1\nproperty float rot_2\nproperty float rot_3\nend_header\n";
     char text[16384];
     size_t used = (size_t)snprintf(text, sizeof text, "%s", head);
-    for (int i = 0; i < SPLATS; i++)
-        used +=
-            (size_t)snprintf(text + used, sizeof text - used, "%g %g %g %g %g %g 3 %g %g -2 1 0 0 0\n", 0.35 * (i % 8) - 1.2,
-                             0.5 * (i / 8) - 1.0 + 0.07 * (i % 3), 4 + 0.05 * i, 1.6 * ((i * 7) % 11) / 11.0 - 1.2,
-                             1.6 * ((i * 7) % 11) / 11.0 - 1.2, 1.6 * ((i * 7) % 11) / 11.0 - 1.2, -2.2 + 0.1 * (i % 5), -2.2);
-    scene_file_write(scene_in_folder(folder, "s.ply"), text, used);
-    used = 0;
+    for (int i = 0; i < SPLATS; i++) {
+        const double light = 1.6 * ((i * 7 + 5 * shift) % 11) / 11.0 - 1.2;
+        used += (size_t)snprintf(text + used, sizeof text - used, "%g %g %g %g %g %g 3 %g %g -2 1 0 0 0\n",
+                                 0.35 * (i % 8) - 1.2 + 0.17 * shift, 0.5 * (i / 8) - 1.0 + 0.07 * (i % 3) + 0.2 * shift,
+                                 4 + 0.05 * i, light, light, light, -2.2 + 0.1 * (i % 5), -2.2);
+    }
+    scene_file_write(scene_in_folder(folder, name), text, used);
+}
+
+/* A camera that swings before them, on a clock of its own. */
+static void write_world(void *folder) {
+    char text[16384];
+    size_t used = 0;
+    write_splats(folder, "s.ply", 0);
     for (int i = 0; i <= 60; i++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%.3f %.6f %.6f 0 0 0 0 1\n", 10 + 0.01 * i,
                                  0.5 * sin(0.3 * i) + 0.3 * sin(0.11 * i), 0.25 * sin(0.23 * i));
@@ -238,6 +245,18 @@ static void burst(events *e) {
                                                 .polarity = i & 1 ? 1 : -1};
 }
 
+/* Another scene from the same path. */
+static void another_scene_is_known(void **state) {
+    static const char *const sets[] = {"sensor.threshold_on=0.2", "scene.file=s2.ply"};
+    write_splats(*state, "s2.ply", 1);
+    record(*state, "o.h5", sets, 2);
+    tides_calibration found = calibrated(*state, "o.h5", NULL);
+    print_message("%s\n", found.notes);
+    assert_int_equal(found.refused, 1);
+    assert_non_null(strstr(found.notes, "don't belong together"));
+    tides_calibration_free(&found);
+}
+
 static void wrong_recordings_are_known(void **state) {
     changed(*state, shuffle, 1, "don't belong together");
     changed(*state, exchange, 1, "exchanged");
@@ -391,6 +410,7 @@ int main(void) {
         cmocka_unit_test(it_becomes_a_preset),
         cmocka_unit_test(what_is_given_stays),
         cmocka_unit_test(wrong_recordings_are_known),
+        cmocka_unit_test(another_scene_is_known),
         cmocka_unit_test(bursts_change_nothing),
         cmocka_unit_test(nothing_moves),
         cmocka_unit_test(it_is_known_where_pixels_began),
