@@ -49,6 +49,19 @@ static void add_transitions(const tides_calibration *f, cJSON *facts) {
     }
 }
 
+static void add_starts(const tides_calibration *f, cJSON *facts) {
+    static const char *const names[] = {"recording", "rest", "random", "steady"};
+    cJSON *rows = cJSON_AddArrayToObject(facts, "starts");
+    for (int32_t i = 0; i < 4; i++) {
+        cJSON *row = cJSON_CreateObject();
+        cJSON_AddStringToObject(row, "of", names[i]);
+        add_number(row, "below", f->starts[i][0]);
+        add_number(row, "above", f->starts[i][1]);
+        cJSON_AddItemToArray(rows, row);
+    }
+    cJSON_AddStringToObject(facts, "initial", f->initial < 0 ? "unknown" : names[1 + f->initial]);
+}
+
 static void add_lines(cJSON *facts, const char *name, const char *lines) {
     cJSON *list = cJSON_AddArrayToObject(facts, name);
     while (lines && *lines) {
@@ -95,6 +108,7 @@ cJSON *calibrate_json(const calibrate_report *report) {
     for (int32_t i = 0; tides_calibrated_at(i, &row); i++) cJSON_AddItemToArray(values, value_json(&f->values[i], &row));
     cJSON_AddStringToObject(facts, "photoreceptor_law", f->law == TIDES_PHOTORECEPTOR_INTENSITY ? "intensity" : "constant");
     add_transitions(f, facts);
+    add_starts(f, facts);
     add_counts(f, facts);
     add_hot(f, facts);
     add_lines(facts, "notes", f->notes);

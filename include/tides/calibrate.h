@@ -87,11 +87,14 @@ typedef struct tides_calibration {
     double deviation;             /* mean relative deviation of changes from their medians */
     double agreement;             /* share of changes that have the sign of their event */
     double correlation;           /* between black level and threshold_on, over random halves of the pixels */
+    double starts[4][2];          /* shares of pixels that began below, above their reference: recording; simulations that begin
+                                     at TIDES_INITIAL_REST, RANDOM, STEADY */
     double dead_share;            /* of the pixels whose light moved by three thresholds and more: those without an event */
     int64_t start_ns, stop_ns;    /* the stretch */
     uint64_t events, burst_events, pairs;        /* in the stretch; in bursts of frames' readout; pairs that were used */
     uint64_t pixels, still_pixels;               /* whose light was sampled; that rested */
     int32_t bursts, samples;                     /* of frames' readout; times at which light was sampled */
+    int32_t initial, reserved;                   /* TIDES_INITIAL_*: where references begin; -1: the recording doesn't tell */
     int32_t hot_count;                           /* pixels that fire far more often than their light says, */
     int32_t map_width, map_height, rate_count;   /* sizes of the arrays below */
     uint16_t hot[TIDES_CALIBRATION_HOT][2];      /* x, y of the first of them */

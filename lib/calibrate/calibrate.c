@@ -6,7 +6,8 @@
  *   fit.c                   the front end by which these changes agree best
  *   spread.c, noise.c       mismatch, transitions, hot and dead pixels; leak and noise of pixels at rest
  *   correct.c               the method's bias, found by a simulation, is subtracted
- *   part.c, doubt.c         error bars
+ *   first.c                 where references stood at first
+ *   part.c, scatter.c, doubt.c  error bars
  *   verdict.c               which values can't be trusted, and why */
 #include "td_calibrate.h"
 

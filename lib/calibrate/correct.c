@@ -1,14 +1,16 @@
 /* Removes the bias of the calibration's method. The recording's light goes through TIDES' own pixels with the values found, and
  * their events are measured in the same way. The difference between values put in and values measured is the method's bias, and
- * is subtracted. */
+ * is subtracted. A simulation scatters as the recording does, so that the bias is the mean of several. */
 #include "td_calibrate.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUNDS = 3, RATE_BINS = 20 /* bins of the recording's rate for one of the rates compared: 5 ms */ };
-#define SETTLED 0.01 /* [thresholds] corrections below this end the rounds */
+enum {
+    ROUNDS = 3,    /* TIDES_INITIAL_REST to STEADY */
+    RATE_BINS = 20 /* bins of the recording's rate for one of the rates compared: 5 ms */
+};
 
 typedef struct simulated {
     const td_calibration *c;
@@ -39,20 +41,36 @@ static int keep(void *user, const tides_event *events, size_t count) {
 }
 
 static double known(double value) { return value == value && value > 0 ? value : 0; }
+static double pow2(double value) { return value * value; }
+static double hypot2(double x, double y) { return sqrt(x * x + y * y); }
+
+/* The leak of a steady start. A short recording's pixels at rest often tell no more than its bound, and the leak before the
+ * recording show in the starts: so the start is tried with one sigma of it. */
+static double steady_leak(const tides_calibration *found) {
+    const tides_calibrated *v = &found->values[TIDES_CALIBRATED_LEAK];
+    return v->state == TIDES_CALIBRATED_BOUND ? known(v->value) + known(v->error) : known(v->value);
+}
+
+/* Each start is simulated once, for pairs of events don't see it. A steady one needs a leak. */
+static int32_t start_of(const td_calibration *c, const tides_calibration *found) {
+    return c->rounds == TIDES_INITIAL_STEADY && !(steady_leak(found) > 0) ? TIDES_INITIAL_RANDOM : c->rounds;
+}
 
 static void describe(const td_calibration *c, const tides_calibration *found, tides_baseline_params *p) {
     const tides_calibrated *v = found->values;
+    const double usual = TD_USUAL_VARIANCE * pow2(fmin(c->fit.on, c->fit.off));
     tides_baseline_params_defaults(p);
     p->method = TIDES_METHOD_TIDES;
     p->log_eps = fmax(c->fit.front.log_eps, 1e-9);
-    p->seed = p->sensor.seed = c->options->seed;
+    p->seed = p->sensor.seed = c->options->seed + (uint64_t)c->rounds;
     p->sensor.threshold_on = c->fit.on;
     p->sensor.threshold_off = c->fit.off;
-    p->sensor.threshold_sigma =
-        v[TIDES_CALIBRATED_SIGMA].state == TIDES_CALIBRATED_BOUND ? 0 : known(v[TIDES_CALIBRATED_SIGMA].value);
+    p->sensor.threshold_sigma = sqrt(c->spread.known ? fmax(c->spread.value, 0) : usual);
     p->sensor.threshold_min = 0.1 * fmin(c->fit.on, c->fit.off);
+    p->sensor.initial = start_of(c, found);
     p->sensor.refractory_s = c->fit.front.refractory_s;
-    p->sensor.leak_rate_hz = known(v[TIDES_CALIBRATED_LEAK].value);
+    p->sensor.leak_rate_hz =
+        p->sensor.initial == TIDES_INITIAL_STEADY ? steady_leak(found) : known(v[TIDES_CALIBRATED_LEAK].value);
     p->sensor.shot_noise_hz = known(v[TIDES_CALIBRATED_SHOT].value);
     p->sensor.photoreceptor_cutoff_hz = c->fit.front.pole_s > 1e-6 ? 1 / (6.283185307179586 * c->fit.front.pole_s) : 0;
     p->sensor.photoreceptor_law = c->fit.front.law;
@@ -123,21 +141,62 @@ static tides_status rates(const simulated *s, tides_calibration *found, tides_er
 
 /* -- rounds ---------------------------------------------------------------------------------------------------------------- */
 
-/* Corrects c->fit by the difference between `target`, the recording's measurement, and `again`, that of a simulation with
- * c->fit. Returns the difference in thresholds. */
-static double take_off(td_calibration *c, const td_fit *target, const td_fit *again) {
-    td_front *f = &c->fit.front;
-    const double off = fmax(fabs(again->on / target->on - 1), fabs(again->off / target->off - 1));
-    c->fit.on *= target->on / again->on;
-    c->fit.off *= target->off / again->off;
-    f->log_eps = fmax(f->log_eps + target->front.log_eps - again->front.log_eps, 1e-6);
-    f->pole_s = fmax(f->pole_s + target->front.pole_s - again->front.pole_s, 0);
-    f->refractory_s = fmax(f->refractory_s + target->front.refractory_s - again->front.refractory_s, 0);
-    return off;
+/* Sums over the rounds of measured to true thresholds, and of measured less true values. */
+typedef struct bias {
+    double on, off, log_eps, pole_s, refractory_s, variance;
+    int32_t of_variance; /* rounds that measured it */
+} bias;
+
+static void add_round(td_calibration *c, const td_fit *again, const td_variance *spread, bias *b) {
+    const td_front *f = &c->fit.front;
+    b->on += again->on / c->fit.on;
+    b->off += again->off / c->fit.off;
+    b->log_eps += again->front.log_eps - f->log_eps;
+    b->pole_s += again->front.pole_s - f->pole_s;
+    b->refractory_s += again->front.refractory_s - f->refractory_s;
+    c->rounds++;
+    if (!spread->known || !(c->spread.error > 0)) return; /* 0: given */
+    b->variance += spread->value - fmax(c->spread.value, 0);
+    b->of_variance++;
 }
 
-static tides_status one_round(td_calibration *c, tides_calibration *found, const td_fit *target, double *off,
-                              tides_error *error) {
+/* c->fit and c->spread become what was measured of the recording, less the mean bias. */
+static void take_off(td_calibration *c, const td_fit *target, const td_variance *spread, const bias *b) {
+    td_front *f = &c->fit.front;
+    const double n = c->rounds;
+    c->fit.on = target->on * n / b->on;
+    c->fit.off = target->off * n / b->off;
+    f->log_eps = fmax(target->front.log_eps - b->log_eps / n, 1e-6);
+    f->pole_s = fmax(target->front.pole_s - b->pole_s / n, 0);
+    f->refractory_s = fmax(target->front.refractory_s - b->refractory_s / n, 0);
+    if (!b->of_variance) return;
+    c->spread.value = spread->value - b->variance / b->of_variance;
+    c->spread.error = spread->error * sqrt(1 + 1.0 / b->of_variance);
+}
+
+static void note_starts(tides_calibration *found, int32_t row, const td_starts *starts) {
+    found->starts[row][0] = starts->below;
+    found->starts[row][1] = starts->above;
+}
+
+/* Takes the start whose simulation is most like the recording. */
+static void settle_start(tides_calibration *found, int32_t rounds) {
+    double least = INFINITY;
+    found->initial = -1;
+    for (int32_t i = 0; i < rounds; i++) {
+        const double off = hypot2(found->starts[1 + i][0] - found->starts[0][0], found->starts[1 + i][1] - found->starts[0][1]);
+        if (!(off < least)) continue;
+        least = off;
+        found->initial = i;
+    }
+    tides_calibrated *leak = &found->values[TIDES_CALIBRATED_LEAK];
+    if (found->initial != TIDES_INITIAL_STEADY || leak->state != TIDES_CALIBRATED_BOUND) return;
+    leak->value = steady_leak(found);
+    leak->state = TIDES_CALIBRATED_UNCERTAIN;
+}
+
+static tides_status one_round(td_calibration *c, tides_calibration *found, const td_fit *target, td_fit *again,
+                              td_variance *spread, tides_error *error) {
     simulated s = {.c = c, .error = error};
     s.taken.start_ns = c->taken.start_ns;
     s.taken.stop_ns = c->taken.stop_ns;
@@ -148,11 +207,15 @@ static tides_status one_round(td_calibration *c, tides_calibration *found, const
     if (status == TIDES_OK) status = sort_out(&s, error);
     if (status == TIDES_OK) status = rates(&s, found, error);
     if (status == TIDES_OK) {
-        td_fit again = *target;
-        again.front.offset_s = 0; /* simulated light and events have one clock */
+        *again = *target;
+        again->front.offset_s = 0; /* simulated light and events have one clock */
         const double longest = c->free & TD_FREE_REFRACTORY ? td_shortest_interval(&s.pairs) : target->front.refractory_s;
-        td_refine(&c->light, &s.pairs, &again, c->free & ~TD_FREE_OFFSET, longest, NULL);
-        *off = again.on > 0 && again.off > 0 ? take_off(c, target, &again) : 0;
+        td_refine(&c->light, &s.pairs, again, c->free & ~TD_FREE_OFFSET, longest, NULL);
+        td_changes(&c->light, &s.pairs, &again->front, NULL);
+        *spread = td_spread_of(&c->light, &s.pairs, again, 0.5e-9 * (double)(s.taken.stop_ns - s.taken.start_ns));
+        td_starts starts = {NAN, NAN};
+        status = td_first(c, &s.taken, again, &starts, error);
+        note_starts(found, 1 + start_of(c, found), &starts);
     }
     td_taken_free(&s.taken);
     td_pairs_free(&s.pairs);
@@ -161,11 +224,22 @@ static tides_status one_round(td_calibration *c, tides_calibration *found, const
 
 tides_status td_correct(td_calibration *c, tides_calibration *found, tides_error *error) {
     const td_fit target = c->fit;
-    double off = 1;
-    tides_status status = TIDES_OK;
-    for (int32_t i = 0; i < ROUNDS && off > SETTLED && status == TIDES_OK; i++) {
-        status = one_round(c, found, &target, &off, error);
-        if (status == TIDES_OK) status = td_calibrate_told(c, 0.66 + 0.05 * i, "simulating", error);
+    const td_variance spread = c->spread;
+    bias sums = {0};
+    td_starts starts = {NAN, NAN};
+    for (int32_t i = 1; i < 4; i++) note_starts(found, i, &starts);
+    tides_status status = td_first(c, &c->taken, &target, &starts, error);
+    note_starts(found, 0, &starts);
+    for (int32_t i = 0; i < ROUNDS && status == TIDES_OK; i++) {
+        td_fit again;
+        td_variance other;
+        status = one_round(c, found, &target, &again, &other, error);
+        if (status != TIDES_OK || !(again.on > 0 && again.off > 0)) break; /* too few pairs in the simulation */
+        add_round(c, &again, &other, &sums);
+        take_off(c, &target, &spread, &sums);
+        status = td_calibrate_told(c, 0.66 + 0.05 * i, "simulating", error);
     }
+    td_spread_set(c, &found->values[TIDES_CALIBRATED_SIGMA]);
+    settle_start(found, c->rounds);
     return status;
 }

@@ -1,14 +1,12 @@
-/* Error bars of the values: each is measured again on halves of the time, of the image, and of pixels drawn by chance. Random
- * halves of n pixels scatter about the whole as whole samples do about the truth. */
+/* Error bars of the values: their scatter over the image (scatter.c), what isn't known of the spread between pixels, and, where
+ * light comes from frames, what it does between them. Values of halves of the time and of the image are beside them. */
 #include "td_calibrate.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { HALVES = 12 };
-/* Relative variance of thresholds from pixel to pixel where it isn't known: spreads of 0 to 15 % have this in the mean. */
-#define SPREAD_VARIANCE 0.0075
+enum { FEW_FRAMES = 6 };
 
 /* The values of a fit, in the order of TIDES_CALIBRATED_*. Values that other parts measure aren't set. */
 static void values_of(const td_fit *fit, double value[TIDES_CALIBRATED_VALUES]) {
@@ -19,6 +17,10 @@ static void values_of(const td_fit *fit, double value[TIDES_CALIBRATED_VALUES]) 
     value[TIDES_CALIBRATED_POLE] = fit->front.pole_s;
     value[TIDES_CALIBRATED_REFRACTORY] = fit->front.refractory_s;
     value[TIDES_CALIBRATED_OFFSET] = fit->front.offset_s;
+}
+
+static int32_t is_fitted(int32_t i) {
+    return i != TIDES_CALIBRATED_SIGMA && i != TIDES_CALIBRATED_LEAK && i != TIDES_CALIBRATED_SHOT;
 }
 
 static void of_part(td_calibration *c, const td_fit *whole, td_part part, double value[TIDES_CALIBRATED_VALUES]) {
@@ -54,36 +56,59 @@ static void halves(td_calibration *c, const td_fit *whole, tides_calibration *fo
 
 /* Pixels with low thresholds fire more often, so that a median over events is low by the relative variance of thresholds. The
  * unknown part of that variance is an error of the thresholds. */
-static double spread_doubt(const td_calibration *c, const tides_calibration *found) {
-    const tides_calibrated *sigma = &found->values[TIDES_CALIBRATED_SIGMA];
+static double spread_doubt(const td_calibration *c) {
     const double mean = 0.5 * (c->raw.on + c->raw.off);
-    if (sigma->state == TIDES_CALIBRATED_GIVEN) return 0;
-    if (!(sigma->value == sigma->value) || !(mean > 0)) return SPREAD_VARIANCE;
-    const double known = 2 * sigma->value * sigma->error, bound = sigma->value * sigma->value;
-    return (sigma->state == TIDES_CALIBRATED_MEASURED ? known : fmin(bound, SPREAD_VARIANCE * mean * mean)) / (mean * mean);
+    return c->spread.known ? c->spread.error / (mean * mean) : TD_USUAL_VARIANCE;
 }
 
+static void add_error(tides_calibrated *v, double more) {
+    if (more == more) v->error = sqrt(v->error * v->error + more * more);
+}
+
+/* Simulations that the bias was taken from scatter as the recording does. */
 static tides_status scatter(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
-    double centre[TIDES_CALIBRATED_VALUES], sum[TIDES_CALIBRATED_VALUES] = {0}, cross = 0;
-    values_of(whole, centre);
-    for (int32_t k = 0; k < HALVES; k++) {
-        double value[TIDES_CALIBRATED_VALUES];
-        of_part(c, whole, (td_part){.what = TD_RANDOM_HALF, .seed = c->options->seed + (uint64_t)k}, value);
-        for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++) sum[i] += (value[i] - centre[i]) * (value[i] - centre[i]);
-        cross += (value[TIDES_CALIBRATED_ON] - centre[TIDES_CALIBRATED_ON]) *
-                 (value[TIDES_CALIBRATED_EPS] - centre[TIDES_CALIBRATED_EPS]);
-        tides_status status = td_calibrate_told(c, 0.85 + 0.15 * k / HALVES, "error bars", error);
-        if (status != TIDES_OK) return status;
-    }
-    for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++)
-        if (sum[i] == sum[i]) found->values[i].error = sqrt(sum[i] / HALVES);
-    for (int32_t i = TIDES_CALIBRATED_ON; i <= TIDES_CALIBRATED_OFF; i++) {
-        const double spread = centre[i] * spread_doubt(c, found), drawn = found->values[i].error;
-        found->values[i].error = sqrt(drawn * drawn + spread * spread);
-    }
-    const double both = sqrt(sum[TIDES_CALIBRATED_ON] * sum[TIDES_CALIBRATED_EPS]);
-    found->correlation = both > 0 ? cross / both : 0;
+    double one[TIDES_CALIBRATED_VALUES];
+    const double times = sqrt(1 + (c->rounds ? 1.0 / c->rounds : 0));
+    tides_status status = td_scatter(c, whole, one, &found->correlation, error);
+    for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES && status == TIDES_OK; i++)
+        if (is_fitted(i)) found->values[i].error = times * one[i];
+    add_error(&found->values[TIDES_CALIBRATED_ON], whole->on * spread_doubt(c));
+    add_error(&found->values[TIDES_CALIBRATED_OFF], whole->off * spread_doubt(c));
+    return status;
+}
+
+/* -- light between frames -------------------------------------------------------------------------------------------------- */
+
+static tides_status thin(const td_light *light, td_light *half, tides_error *error) {
+    *half = (td_light){.count = light->count, .samples = (light->samples + 1) / 2, .pixel = light->pixel};
+    half->time = td_alloc(half->samples, sizeof *half->time, error);
+    half->Y = td_alloc(half->count * half->samples, sizeof *half->Y, error);
+    half->line = td_alloc(half->samples, sizeof *half->line, error);
+    half->decay = td_alloc(half->samples, sizeof *half->decay, error);
+    if (!half->time || !half->Y || !half->line || !half->decay) return TIDES_NO_MEMORY;
+    for (size_t k = 0; k < half->samples; k++) half->time[k] = light->time[2 * k];
+    for (size_t i = 0; i < half->count; i++)
+        for (size_t k = 0; k < half->samples; k++) half->Y[i * half->samples + k] = light->Y[i * light->samples + 2 * k];
     return TIDES_OK;
+}
+
+/* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured once
+ * more, by every other frame: what that changes counts as an error. */
+static tides_status by_fewer_frames(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
+    td_light half;
+    td_fit fit = *whole;
+    double now[TIDES_CALIBRATED_VALUES], then[TIDES_CALIBRATED_VALUES];
+    if (!c->facts.frames || c->light.samples < FEW_FRAMES) return TIDES_OK;
+    const tides_status status = thin(&c->light, &half, error);
+    if (status == TIDES_OK) {
+        td_refine(&half, &c->pairs, &fit, c->free, c->longest_refractory_s, NULL);
+        values_of(whole, now);
+        values_of(&fit, then);
+        for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++) add_error(&found->values[i], then[i] - now[i]);
+    }
+    half.pixel = NULL;
+    td_light_free(&half);
+    return status;
 }
 
 /* The deviation as one parameter varies and the others stay. */
@@ -108,6 +133,8 @@ tides_status td_doubt(td_calibration *c, tides_calibration *found, tides_error *
     halves(c, &whole, found);
     tides_status status = td_calibrate_told(c, 0.85, "error bars", error);
     if (status == TIDES_OK) status = scatter(c, &whole, found, error);
+    if (status == TIDES_OK) status = td_calibrate_told(c, 0.9, "error bars", error);
+    if (status == TIDES_OK) status = by_fewer_frames(c, &whole, found, error);
     if (status == TIDES_OK) scan(c, &whole, found);
     return status;
 }

@@ -76,6 +76,17 @@ static void put(cJSON *root, const tides_calibration *found, int32_t index) {
     if (v->error > 0) add_spread(item, fmax(v->value - v->error, 0), v->value + v->error);
 }
 
+/* Where references begin, where it is a sensor's property: what leak and noise leave. */
+static void put_start(cJSON *root, const tides_calibration *found) {
+    char source[200];
+    if (found->initial != TIDES_INITIAL_STEADY) return;
+    const double(*s)[2] = found->starts;
+    snprintf(source, sizeof source,
+             "measured: %.0f and %.0f %% of the pixels began below and above their reference; in a simulation %.0f and %.0f %%",
+             100 * s[0][0], 100 * s[0][1], 100 * s[1 + found->initial][0], 100 * s[1 + found->initial][1]);
+    add(root, "sensor.initial", cJSON_CreateString("steady"), source);
+}
+
 tides_status tides_calibration_preset(const tides_calibration *found, const char *about, char **text, tides_error *error) {
     td_plain_numbers numbers;
     if (!found || !text) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibration_preset: found or text is NULL");
@@ -85,6 +96,7 @@ tides_status tides_calibration_preset(const tides_calibration *found, const char
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "about", about ? about : "measured by tides calibrate");
     for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++) put(root, found, i);
+    put_start(root, found);
     char *made = root ? cJSON_Print(root) : NULL;
     *text = made ? td_strdup(made, error) : NULL;
     cJSON_free(made);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TILE = 4, TILE_PAIRS = 6, HOT_EVENTS = 20, FEW_NEIGHBOURS = 100 };
+enum { TILE = 4, TILE_PAIRS = 6, HOT_EVENTS = 20, FEW_NEIGHBOURS = 40 };
 #define CLIP 0.8      /* greatest relative deviation from the median that counts: others have other causes */
 #define HOT_TIMES 4.0 /* a hot pixel has so many times the events that its light gives */
 #define DEAD_CHANGE 3 /* a dead pixel's light has moved by so many thresholds without an event */
@@ -37,17 +37,17 @@ static void transitions(td_calibration *c, tides_calibration *found) {
  * and j is twice the variance of thresholds in the mean. */
 
 typedef struct half_means {
-    double a, b; /* means of both halves; NaN: no pair */
+    double a, b; /* means of both halves [log units]; NaN: no pair */
 } half_means;
 
-static half_means means_of(const td_calibration *c, size_t from, size_t to, int8_t polarity) {
-    const double half_s = 0.5e-9 * (double)(c->taken.stop_ns - c->taken.start_ns), usual = td_usual(&c->fit, polarity);
+static half_means means_of(const td_pairs *pairs, const td_fit *fit, size_t from, size_t to, int8_t polarity, double half_s) {
+    const double usual = td_usual(fit, polarity);
     double sum[2] = {0}, count[2] = {0};
     for (size_t i = from; i < to; i++) {
-        const td_pair *p = &c->pairs.list[i];
-        if (p->after != polarity || !is_known(&c->pairs, i)) continue;
+        const td_pair *p = &pairs->list[i];
+        if (p->after != polarity || !is_known(pairs, i)) continue;
         const int32_t late = p->to >= half_s;
-        sum[late] += fmax(-CLIP, fmin(CLIP, c->pairs.change[i] / usual - 1));
+        sum[late] += fmax(-CLIP, fmin(CLIP, pairs->change[i] / usual - 1)) * usual;
         count[late]++;
     }
     return (half_means){count[0] > 0 ? sum[0] / count[0] : NAN, count[1] > 0 ? sum[1] / count[1] : NAN};
@@ -57,13 +57,14 @@ typedef struct moments {
     double n, sum, squares;
 } moments;
 
-static void add_polarity(const td_calibration *c, int8_t polarity, moments *m) {
+static void add_polarity(const td_light *light, const td_pairs *pairs, const td_fit *fit, double half_s, int8_t polarity,
+                         moments *m) {
     half_means before = {NAN, NAN};
     uint32_t pixel = UINT32_MAX - 1;
-    for (size_t i = 0, end = 0; i < c->pairs.count; i = end) {
-        const uint32_t here = c->light.pixel[c->pairs.list[i].place];
-        while (end < c->pairs.count && c->pairs.list[end].place == c->pairs.list[i].place) end++;
-        const half_means means = means_of(c, i, end, polarity);
+    for (size_t i = 0, end = 0; i < pairs->count; i = end) {
+        const uint32_t here = light->pixel[pairs->list[i].place];
+        while (end < pairs->count && pairs->list[end].place == pairs->list[i].place) end++;
+        const half_means means = means_of(pairs, fit, i, end, polarity, half_s);
         const double product = 0.5 * (means.a - before.a) * (means.b - before.b);
         if (here == pixel + 1 && product == product) {
             m->n++;
@@ -75,18 +76,23 @@ static void add_polarity(const td_calibration *c, int8_t polarity, moments *m) {
     }
 }
 
-static void mismatch(const td_calibration *c, tides_calibration *found) {
-    tides_calibrated *v = &found->values[TIDES_CALIBRATED_SIGMA];
+/* Products of neighbours share a pixel, which makes the variance of their sum half as much again. */
+td_variance td_spread_of(const td_light *light, const td_pairs *pairs, const td_fit *fit, double half_s) {
     moments m = {0};
-    add_polarity(c, 1, &m);
-    add_polarity(c, -1, &m);
+    add_polarity(light, pairs, fit, half_s, 1, &m);
+    add_polarity(light, pairs, fit, half_s, -1, &m);
+    if (m.n < FEW_NEIGHBOURS) return (td_variance){NAN, NAN, 0};
+    const double value = m.sum / m.n;
+    return (td_variance){value, sqrt(1.5 * fmax(m.squares / m.n - value * value, 0) / m.n), 1};
+}
+
+void td_spread_set(const td_calibration *c, tides_calibrated *v) {
+    const double sigma = sqrt(fmax(c->spread.value, 0)), error = c->spread.error;
     v->value = NAN;
-    if (m.n < FEW_NEIGHBOURS) return;
-    const double mean = 0.5 * (c->fit.on + c->fit.off), variance = m.sum / m.n;
-    const double doubt = sqrt(fmax(m.squares / m.n - variance * variance, 0) / m.n), sigma = sqrt(fmax(variance, 0));
-    v->value = v->raw = mean * sigma;
-    v->error = mean * fmin(doubt / fmax(2 * sigma, 1e-9), sqrt(doubt)); /* d sqrt(v) = dv / (2 sqrt(v)) */
-    v->state = variance < 3 * doubt ? TIDES_CALIBRATED_BOUND : TIDES_CALIBRATED_MEASURED;
+    if (!c->spread.known) return;
+    v->value = sigma;
+    v->error = fmin(error / fmax(2 * sigma, 1e-9), sqrt(error)); /* d sqrt(v) = dv / (2 sqrt(v)) */
+    v->state = c->spread.value < 3 * error ? TIDES_CALIBRATED_BOUND : TIDES_CALIBRATED_MEASURED;
 }
 
 /* -- over the image -------------------------------------------------------------------------------------------------------- */
@@ -159,7 +165,11 @@ static void dead(const td_calibration *c, tides_calibration *found) {
 tides_status td_spread(td_calibration *c, tides_calibration *found, tides_error *error) {
     td_changes(&c->light, &c->pairs, &c->fit.front, NULL);
     transitions(c, found);
-    mismatch(c, found);
+    c->spread = td_spread_of(&c->light, &c->pairs, &c->fit, 0.5e-9 * (double)(c->taken.stop_ns - c->taken.start_ns));
+    const double given = c->options->given[TIDES_CALIBRATED_SIGMA];
+    if (given == given) c->spread = (td_variance){given * given, 0, 1};
+    td_spread_set(c, &found->values[TIDES_CALIBRATED_SIGMA]);
+    found->values[TIDES_CALIBRATED_SIGMA].raw = found->values[TIDES_CALIBRATED_SIGMA].value;
     hot(c, found);
     dead(c, found);
     return map(c, found, error);

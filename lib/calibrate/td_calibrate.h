@@ -80,6 +80,18 @@ typedef struct td_part {
     int32_t width; /* of the image [px] */
 } td_part;
 
+/* The variance of thresholds from pixel to pixel, and its error. */
+typedef struct td_variance {
+    double value, error; /* [log units^2] */
+    int32_t known;       /* 0: too few neighbours have events */
+} td_variance;
+/* Shares of pixels that start below and above the reference; NaN: too few. */
+typedef struct td_starts {
+    double below, above;
+} td_starts;
+/* Relative variance where it isn't known: spreads of 0 to 15 % have this in the mean, and nearly this as their own spread. */
+#define TD_USUAL_VARIANCE 0.0075
+
 /* Work in progress. */
 typedef struct td_calibration {
     const tides_calibrate_options *options;
@@ -91,7 +103,9 @@ typedef struct td_calibration {
     td_pairs pairs;
     double longest_refractory_s; /* no interval is shorter: upper bound of a fitted refractory period */
     td_fit fit;
-    td_fit raw;      /* before correction for the method's bias */
+    td_fit raw; /* before correction for the method's bias */
+    td_variance spread;
+    int32_t rounds;  /* simulations from which the bias was taken */
     double offset_s; /* best offset, also where it isn't taken */
     int32_t free;    /* TD_FREE_* */
 } td_calibration;
@@ -129,9 +143,19 @@ tides_status td_search(td_calibration *c, tides_error *error); /* without a star
 void td_refine(td_light *light, td_pairs *pairs, td_fit *fit, int32_t free, double longest_refractory_s, const td_part *part);
 int32_t td_in_part(const td_pair *pair, uint32_t pixel, const td_part *part); /* part NULL: all */
 
+/* scatter.c: one sigma of a fit's values, and the correlation of black level and threshold_on. */
+tides_status td_scatter(td_calibration *c, const td_fit *fit, double error[TIDES_CALIBRATED_VALUES], double *correlation,
+                        tides_error *why);
+
 /* Parts that measure a calibration's values; each sets its own fields. */
 /* spread.c: transitions, mismatch, the map, hot and dead pixels. */
 tides_status td_spread(td_calibration *c, tides_calibration *found, tides_error *error);
+/* The spread of thresholds, by the changes in `pairs`; half_s: the middle of the stretch. */
+td_variance td_spread_of(const td_light *light, const td_pairs *pairs, const td_fit *fit, double half_s);
+void td_spread_set(const td_calibration *c, tides_calibrated *value);
+/* first.c: where the pixels' references stood when the stretch of `taken` began, by the front end of `fit`. Starts of events
+ * that aren't the recording's are scattered as its changes are. */
+tides_status td_first(td_calibration *c, const td_taken *taken, const td_fit *fit, td_starts *starts, tides_error *error);
 /* noise.c: events of pixels at rest, or of a still recording. */
 tides_status td_noise(td_calibration *c, tides_calibration *found, tides_error *error);
 /* correct.c: simulates with the values found, and subtracts the difference; also compares rates of events. */

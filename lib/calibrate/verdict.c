@@ -101,8 +101,7 @@ static tides_status why_unlike(td_calibration *c, const activity *a, char **note
     if (as_is > ALIKE)
         return td_note(notes, error,
                        "events are where light moves (%.2f), but their polarities or times aren't its own: another clock by "
-                       "more "
-                       "than 60 ms, or polarities that are lost",
+                       "more than 60 ms, polarities that are lost, or another scene with edges in the same places",
                        as_is);
     return td_note(notes, error, "events aren't where light moves (%.2f): another scene, path, lens or stretch of time", as_is);
 }

@@ -194,8 +194,10 @@ static tides_status open_columns(td_event_stream *stream, const char **time, tid
     if (arrays == 1) return open_single(stream, td_npz_name(state->npz, 0), error);
     if (stream->reading.columns) return named_columns(stream, error);
     for (size_t i = 0; i < arrays && i < TD_TABLE_COLUMNS_MAX; i++) add_name(list, td_npz_name(state->npz, i));
-    if (find_names(list, &meaning, &reason) != TIDES_OK)
-        return td_fail(error, TIDES_BAD_FILE, "%s: of arrays t, x, y and p it %s", stream->input.path, reason.text);
+    if (find_names(list, &meaning, &reason) != TIDES_OK) /* its advice behind the colon is a table's */
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: of arrays t, x, y and p it %.*s: write them by these names, or as one table (N, 4)",
+                       stream->input.path, (int)strcspn(reason.text, ":"), reason.text);
     for (int c = 0; c < TD_NPY_COLUMNS && status == TIDES_OK; c++)
         status = open_column(stream, c, td_npz_name(state->npz, (size_t)meaning.column[fields[c]]), error);
     if (status != TIDES_OK) return status;

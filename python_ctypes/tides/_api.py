@@ -3663,11 +3663,14 @@ class tides_calibration(Structure):
     double deviation; /* mean relative deviation of changes from their medians */
     double agreement; /* share of changes that have the sign of their event */
     double correlation; /* between black level and threshold_on, over random halves of the pixels */
+    double starts[4][2]; /* shares of pixels that began below, above their reference: recording; simulations that begin
+    at TIDES_INITIAL_REST, RANDOM, STEADY */
     double dead_share; /* of the pixels whose light moved by three thresholds and more: those without an event */
     int64_t start_ns, stop_ns; /* the stretch */
     uint64_t events, burst_events, pairs; /* in the stretch; in bursts of frames' readout; pairs that were used */
     uint64_t pixels, still_pixels; /* whose light was sampled; that rested */
     int32_t bursts, samples; /* of frames' readout; times at which light was sampled */
+    int32_t initial, reserved; /* TIDES_INITIAL_*: where references begin; -1: the recording doesn't tell */
     int32_t hot_count; /* pixels that fire far more often than their light says, */
     int32_t map_width, map_height, rate_count; /* sizes of the arrays below */
     uint16_t hot[TIDES_CALIBRATION_HOT][2]; /* x, y of the first of them */
@@ -3687,6 +3690,7 @@ class tides_calibration(Structure):
     deviation: float
     agreement: float
     correlation: float
+    starts: Any
     dead_share: float
     start_ns: int
     stop_ns: int
@@ -3697,6 +3701,8 @@ class tides_calibration(Structure):
     still_pixels: int
     bursts: int
     samples: int
+    initial: int
+    reserved: int
     hot_count: int
     map_width: int
     map_height: int
@@ -3719,6 +3725,7 @@ class tides_calibration(Structure):
         ("deviation", c_double),
         ("agreement", c_double),
         ("correlation", c_double),
+        ("starts", c_double * 2 * 4),
         ("dead_share", c_double),
         ("start_ns", c_int64),
         ("stop_ns", c_int64),
@@ -3729,6 +3736,8 @@ class tides_calibration(Structure):
         ("still_pixels", c_uint64),
         ("bursts", c_int32),
         ("samples", c_int32),
+        ("initial", c_int32),
+        ("reserved", c_int32),
         ("hot_count", c_int32),
         ("map_width", c_int32),
         ("map_height", c_int32),

@@ -72,6 +72,7 @@ class Converted:
     events: int = 0
     frames: int = 0
     poses: int = 0
+    notes: list[str] = field(default_factory=list)  # what was left out, and why
 
 
 # -- topics ----------------------------------------------------------------------------------------------------------------
@@ -117,16 +118,20 @@ def _candidates(bag: AnyReader, kind: str) -> list[str]:
     return [one for one in found if one.endswith("exposure")] if kind == "exposure" else found
 
 
-def _choose(bag: AnyReader, kind: str, asked: str | None, events: str | None) -> str | None:
-    """The topic of a kind: the one asked for, the only one, or the only one in the namespace of the events."""
+def _choose(bag: AnyReader, kind: str, asked: str | None, events: str | None, notes: list[str]) -> str | None:
+    """The topic of a kind: the one asked for, the only one, or the only one in the namespace of the events. A lens of another
+    namespace is another camera's, and is left out."""
     found = _candidates(bag, kind)
     if asked is not None:
         if asked not in found:
             raise ValueError(f"{kind}: {asked} is no such topic of the bag; it has {', '.join(found) or 'none'}")
         return asked
-    if events is not None and len(found) > 1:
+    if events is not None:
         space = events.rsplit("/", 1)[0] + "/"
-        found = [one for one in found if one.startswith(space)] or found
+        near = [one for one in found if one.startswith(space)]
+        if kind == "lens" and found and not near:
+            notes.append(f"lens: {', '.join(found)} isn't beside {events}, and is left out: name it if it is that camera's (--lens)")
+        found = near if near or kind == "lens" else found
     if len(found) > 1:
         raise ValueError(f"{kind}: the bag has {', '.join(found)}: name one of them (--{kind})")
     return found[0] if found else None
@@ -322,7 +327,7 @@ def convert(
     exposure: str | None = None,
 ) -> Converted:
     """Makes `folder` of a bag, or of several that are one recording. Topics are found by their type; where there are several
-    the one beside the events is taken, or you name it."""
+    the one beside the events is taken, or you name it. A lens is taken only from beside the events."""
     files = [bag] if isinstance(bag, (str, os.PathLike)) else list(bag)
     asked = {"frames": frames, "poses": poses, "lens": lens, "exposure": exposure}
     target, part = os.fspath(folder).rstrip("/"), os.fspath(folder).rstrip("/") + ".part"
@@ -333,12 +338,12 @@ def convert(
         if not os.path.exists(one):
             raise FileNotFoundError(f"{os.fspath(one)}: no such bag")
     with _open(files) as reader:
-        topic = _choose(reader, "events", events, None)
+        topic = _choose(reader, "events", events, None, [])
         if topic is None:
             raise ValueError(f"{os.fspath(files[0])}: no topic of it has events ({', '.join((*_ARRAYS, *_PACKETS))})")
         done = Converted(target, _start(reader, topic) // _SECOND * _SECOND, {"events": topic})
         for kind, name in asked.items():
-            chosen = _choose(reader, kind, name, topic)
+            chosen = _choose(reader, kind, name, topic, done.notes)
             if chosen is not None:
                 done.topics[kind] = chosen
         shutil.rmtree(part, ignore_errors=True)
@@ -368,6 +373,8 @@ def main(arguments: list[str] | None = None) -> int:
     except (TidesError, OSError, ValueError) as why:
         print(f"tides.bag: {str(why).strip().splitlines()[0]}", file=sys.stderr)
         return 1
+    for note in done.notes:
+        print(f"tides.bag: {note}", file=sys.stderr)
     if not given.quiet:
         counts = (("events", done.events), ("frames", done.frames), ("poses", done.poses))
         said = ", ".join(f"{count} {kind}" for kind, count in counts if count)

@@ -34,8 +34,8 @@ class Calibration(Facts):
     """The result of a calibration. `measured` has a dict for each of threshold_on, threshold_off, threshold_sigma, log_eps,
     pole_s, refractory_s, leak_rate_hz, shot_noise_hz and offset_s: value, error, early, late, left, right, raw, and state
     ("measured", "uncertain", "bound", "unknown", "given"). Others are notes (a list), transitions, deviation, agreement,
-    map (height, width), hot (n, 2), rate_s, rate, rate_simulated, pole_scan, eps_scan; include/tides/calibrate.h defines
-    them. `preset` is None if recording and light don't match (`refused`), else the text of a preset file."""
+    initial ("rest", "random", "steady" or None), starts (4, 2), map (height, width), hot (n, 2), rate_s, rate, rate_simulated,
+    pole_scan, eps_scan; include/tides/calibrate.h defines them. `preset` is None if recording and light don't match (`refused`), else the text of a preset file."""
 
     preset: str | None
 
@@ -57,6 +57,8 @@ def _result(found: Any, about: str | None) -> Calibration:
     made["measured"] = Facts({row.name: plain(found.values[i]) for i, row in enumerate(_rows())})
     for value in made["measured"].values():
         value["state"] = states[value["state"]]
+    made["initial"] = {one: word for word, one in (("rest", 0), ("random", 1), ("steady", 2))}.get(found.initial)
+    made["starts"] = np.array(made["starts"])
     made["law"] = "intensity" if found.law == _api.TIDES_PHOTORECEPTOR_INTENSITY else "constant"
     made["refused"] = bool(found.refused)
     made["notes"] = (text(found.notes) or "").splitlines()

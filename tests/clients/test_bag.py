@@ -169,6 +169,17 @@ def test_evt3(tmp_path):
     assert np.array_equal(got["x"], events["x"]) and np.array_equal(got["y"], events["y"]) and np.array_equal(got["p"], events["p"])
 
 
+def test_lens_of_another_camera(tmp_path, capsys):
+    """The only CameraInfo is another camera's: its lens is taken where it is named, and else a line tells of it."""
+    store, events = Store(1), make_events(20)
+    write(tmp_path / "a.bag", "bag", store, [("/dvs/events", ZERO, store.array(events)), ("/rgb/camera_info", ZERO, store.lens(ZERO))])
+    assert bags.main([str(tmp_path / "a.bag"), str(tmp_path / "without"), "-q"]) == 0
+    assert "/rgb/camera_info isn't beside /dvs/events" in capsys.readouterr().err
+    assert not (tmp_path / "without" / "calib.txt").exists()
+    done = bags.convert(tmp_path / "a.bag", tmp_path / "with", lens="/rgb/camera_info")
+    assert done.notes == [] and (tmp_path / "with" / "calib.txt").exists()
+
+
 def test_chunks(tmp_path, monkeypatch):
     """Events in many chunks, with messages a little out of order, come out as in one."""
     monkeypatch.setattr(bags, "_CHUNK", 300)

@@ -47,6 +47,7 @@ static void a_real_sensor_is_what_others_measured(void **state) {
     assert_int_equal(found.law, TIDES_PHOTORECEPTOR_CONSTANT);
     assert_int_equal(found.bursts, 4); /* of the frames at 0.0388, 0.0775, 0.1163 and 0.1551 s */
     assert_true(found.burst_events > 6000 && found.burst_events < 9000);
+    assert_int_equal(found.initial, TIDES_INITIAL_STEADY);
     for (int32_t i = 0; i < 4; i++) assert_true(fabs(found.transitions[i] - 1) < 0.05);
     tides_calibration_free(&found);
 }

@@ -16,8 +16,8 @@
 
 enum { WIDTH = 40, HEIGHT = 30, SPLATS = 40 };
 
-/* Splats of many brightnesses before a camera that swings, on a clock of its own. */
-static void write_world(void *folder) {
+/* Splats of many brightnesses; `shift` makes another scene of them. */
+static void write_splats(void *folder, const char *name, int shift) {
     static const char head[] =
         "ply\nformat ascii 1.0\ncomment ColourTransfer: linear\nelement vertex 40\n"
         "property float x\nproperty float y\nproperty float z\n"
@@ -26,13 +26,20 @@ static void write_world(void *folder) {
         "property float rot_0\nproperty float rot_1\nproperty float rot_2\nproperty float rot_3\nend_header\n";
     char text[16384];
     size_t used = (size_t)snprintf(text, sizeof text, "%s", head);
-    for (int i = 0; i < SPLATS; i++)
-        used +=
-            (size_t)snprintf(text + used, sizeof text - used, "%g %g %g %g %g %g 3 %g %g -2 1 0 0 0\n", 0.35 * (i % 8) - 1.2,
-                             0.5 * (i / 8) - 1.0 + 0.07 * (i % 3), 4 + 0.05 * i, 1.6 * ((i * 7) % 11) / 11.0 - 1.2,
-                             1.6 * ((i * 7) % 11) / 11.0 - 1.2, 1.6 * ((i * 7) % 11) / 11.0 - 1.2, -2.2 + 0.1 * (i % 5), -2.2);
-    scene_file_write(scene_in_folder(folder, "s.ply"), text, used);
-    used = 0;
+    for (int i = 0; i < SPLATS; i++) {
+        const double light = 1.6 * ((i * 7 + 5 * shift) % 11) / 11.0 - 1.2;
+        used += (size_t)snprintf(text + used, sizeof text - used, "%g %g %g %g %g %g 3 %g %g -2 1 0 0 0\n",
+                                 0.35 * (i % 8) - 1.2 + 0.17 * shift, 0.5 * (i / 8) - 1.0 + 0.07 * (i % 3) + 0.2 * shift,
+                                 4 + 0.05 * i, light, light, light, -2.2 + 0.1 * (i % 5), -2.2);
+    }
+    scene_file_write(scene_in_folder(folder, name), text, used);
+}
+
+/* A camera that swings before them, on a clock of its own. */
+static void write_world(void *folder) {
+    char text[16384];
+    size_t used = 0;
+    write_splats(folder, "s.ply", 0);
     for (int i = 0; i <= 60; i++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%.3f %.6f %.6f 0 0 0 0 1\n", 10 + 0.01 * i,
                                  0.5 * sin(0.3 * i) + 0.3 * sin(0.11 * i), 0.25 * sin(0.23 * i));
@@ -111,7 +118,7 @@ static void so_is_one_with_spread_and_a_refractory_period(void **state) {
     assert_int_equal(found.refused, 0);
     near_to(&found, TIDES_CALIBRATED_ON, 0.18, 0.0054);
     near_to(&found, TIDES_CALIBRATED_OFF, 0.24, 0.0072);
-    near_to(&found, TIDES_CALIBRATED_SIGMA, 0.02, 0.006);
+    near_to(&found, TIDES_CALIBRATED_SIGMA, 0.02, 0.002);
     near_to(&found, TIDES_CALIBRATED_REFRACTORY, 0.002, 3e-4);
     tides_calibration_free(&found);
 }
@@ -238,6 +245,18 @@ static void burst(events *e) {
                                                 .polarity = i & 1 ? 1 : -1};
 }
 
+/* Another scene from the same path. */
+static void another_scene_is_known(void **state) {
+    static const char *const sets[] = {"sensor.threshold_on=0.2", "scene.file=s2.ply"};
+    write_splats(*state, "s2.ply", 1);
+    record(*state, "o.h5", sets, 2);
+    tides_calibration found = calibrated(*state, "o.h5", NULL);
+    print_message("%s\n", found.notes);
+    assert_int_equal(found.refused, 1);
+    assert_non_null(strstr(found.notes, "don't belong together"));
+    tides_calibration_free(&found);
+}
+
 static void wrong_recordings_are_known(void **state) {
     changed(*state, shuffle, 1, "don't belong together");
     changed(*state, exchange, 1, "exchanged");
@@ -283,6 +302,49 @@ static void nothing_moves(void **state) {
     assert_true(found.values[TIDES_CALIBRATED_SHOT].value > 25 && found.values[TIDES_CALIBRATED_SHOT].value < 42);
     tides_calibration_free(&found);
     tides_session_close(session);
+}
+
+/* The path of write_world, behind a rest. */
+static void write_late(void *folder) {
+    char text[8192];
+    size_t used = 0;
+    for (int i = 0; i <= 60; i++) {
+        const double k = i > 8 ? i - 8 : 0;
+        used += (size_t)snprintf(text + used, sizeof text - used, "%.3f %.6f %.6f 0 0 0 0 1\n", 10 + 0.01 * i,
+                                 0.5 * sin(0.3 * k) + 0.3 * sin(0.11 * k), 0.25 * sin(0.23 * k));
+    }
+    scene_file_write(scene_in_folder(folder, "late.txt"), text, used);
+}
+
+/* Pixels that begin at rest, anywhere between the levels, or as leak leaves them; the leak is of a still recording. */
+static void it_is_known_where_pixels_began(void **state) {
+    static const char *const starts[] = {"sensor.initial=rest", "sensor.initial=random", "sensor.initial=steady"};
+    static const char *const still[] = {"camera.file=rest.txt", "sensor.leak_rate_hz=1", "sensor.threshold_on=0.2",
+                                        "sensor.initial=steady"};
+    static const char *const late[] = {"camera.file=late.txt"};
+    tides_calibrate_options options;
+    tides_error error = {0, ""};
+    write_late(*state);
+    record(*state, "l.h5", still, 4);
+    tides_calibrate_options_defaults(&options);
+    for (int32_t i = TIDES_INITIAL_REST; i <= TIDES_INITIAL_STEADY; i++) {
+        const char *const sets[] = {plain[0], plain[1], plain[2], plain[3], late[0], "sensor.leak_rate_hz=1", starts[i]};
+        tides_session *session = opened(*state, late, 1);
+        tides_calibration found;
+        char *preset = NULL;
+        record(*state, "f.h5", sets, 7);
+        options.still = scene_in_folder(*state, "l.h5");
+        scene_expect_ok(tides_calibrate(scene_in_folder(*state, "f.h5"), session, &options, NULL, NULL, &found, &error),
+                        &error);
+        for (int32_t k = 0; k < 4; k++) print_message("%.3f %.3f\n", found.starts[k][0], found.starts[k][1]);
+        near_to(&found, TIDES_CALIBRATED_LEAK, 1, 0.3);
+        assert_int_equal(found.initial, i);
+        scene_expect_ok(tides_calibration_preset(&found, NULL, &preset, &error), &error);
+        assert_true((strstr(preset, "initial") != NULL) == (i == TIDES_INITIAL_STEADY));
+        tides_free(preset);
+        tides_calibration_free(&found);
+        tides_session_close(session);
+    }
 }
 
 /* -- errors -------------------------------------------------------------------------------------------------------------- */
@@ -348,8 +410,10 @@ int main(void) {
         cmocka_unit_test(it_becomes_a_preset),
         cmocka_unit_test(what_is_given_stays),
         cmocka_unit_test(wrong_recordings_are_known),
+        cmocka_unit_test(another_scene_is_known),
         cmocka_unit_test(bursts_change_nothing),
         cmocka_unit_test(nothing_moves),
+        cmocka_unit_test(it_is_known_where_pixels_began),
         cmocka_unit_test(it_can_be_stopped_anywhere),
         cmocka_unit_test(what_cant_be_is_said),
     };

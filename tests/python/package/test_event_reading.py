@@ -89,6 +89,16 @@ def test_said(tmp_path):
         assert "x y t p" in reader.facts.read_as
 
 
+def test_archive_refused(tmp_path):
+    """An archive's arrays have names, so that its error doesn't name --columns, which is refused there."""
+    np.savez(tmp_path / "a.npz", t=T, x=X, y=Y, what=P)
+    with pytest.raises(tides.errors.BadFile, match="names no column p: write them by these names") as refused:
+        tides.read_events(tmp_path / "a.npz")
+    assert "--columns" not in str(refused.value)
+    with pytest.raises(tides.errors.BadArgument, match="leave --columns"):
+        tides.read_events(tmp_path / "a.npz", columns="t,x,y,p")
+
+
 def test_invalid(tmp_path):
     columns = [list(map(str, column)) for column in (SECONDS, X, Y, P)]
     columns[0][7], columns[1][20], columns[3][30] = "nan", "400", "4294967295"
