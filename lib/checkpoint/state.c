@@ -31,8 +31,8 @@ tides_status td_saved_create(td_saved *saved, const tides_simulator *simulator, 
 /* Copies a row between the simulator, in the order of tiles, and its copy, in the image's order. */
 static void copy_pixels(const tides_simulator *s, const td_state_row *row, void *copy, int into_simulator) {
     const size_t size = td_state_size(row->type);
-    for (int t = 0; t < s->layout.tiles; t++) {
-        const td_tile *tile = &s->layout.tile[t];
+    for (int t = 0; t < s->layout.units; t++) {
+        const td_tile *tile = &s->layout.unit[t];
         for (int i = 0; i < tile->count; i += tile->width) { /* a row of the tile is part of a row of the image */
             const size_t out = (size_t)(tile->y0 + i / tile->width) * (size_t)s->layout.width + (size_t)tile->x0;
             char *own = (char *)row->values + (s->layout.first_pixel[t] + (size_t)i) * size, *other = (char *)copy + out * size;

@@ -3,7 +3,7 @@
 #include "solver/td_simulator.h"
 
 void td_simulator_state(tides_simulator *s, td_state *state) {
-    const size_t pixels = s->layout.first_pixel[s->layout.tiles];
+    const size_t pixels = s->layout.first_pixel[s->layout.units];
     const struct {
         const char *name;
         double *values;
@@ -17,7 +17,7 @@ void td_simulator_state(tides_simulator *s, td_state *state) {
     };
     for (size_t i = 0; i < sizeof real / sizeof real[0]; i++)
         td_state_add(state, real[i].name, TD_STATE_REAL, TD_STATE_PIXELS, pixels, real[i].values);
-    td_state_add(state, "tile_risk", TD_STATE_REAL, TD_STATE_PLAIN, (size_t)s->layout.tiles, s->tile_risk);
+    td_state_add(state, "tile_risk", TD_STATE_REAL, TD_STATE_PLAIN, (size_t)s->layout.units, s->unit_risk);
     td_state_add(state, "solve_known", TD_STATE_REAL, TD_STATE_PIXELS, pixels, s->solve.known);
     td_state_add(state, "timing_errors", TD_STATE_REAL, TD_STATE_PLAIN, TD_TIMING_BINS, s->done.timing.weight);
     td_state_add(state, "timing_squares", TD_STATE_REAL, TD_STATE_PLAIN, 1, &s->done.timing.squares);
