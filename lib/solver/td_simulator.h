@@ -8,6 +8,7 @@
 #include "td_grid.h"
 #include "td_portion.h"
 #include "td_refine.h"
+#include "td_saved_run.h"
 #include "td_reached.h"
 #include "td_readout.h"
 #include "td_solve.h"
@@ -221,17 +222,9 @@ void td_undo_stopped(tides_simulator *simulator, tides_status status);
 /* The value that a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);
 
-/* td_simulator_state adds the arrays that a checkpoint holds. td_simulator_resume goes on from grid point `step`, when these
- * and the sensor's arrays are restored. `before` are the counts until then. */
-void td_simulator_state(tides_simulator *simulator, td_state *state);
-void td_simulator_resume(tides_simulator *simulator, int64_t step, const tides_stats *before);
-
 /* Counts of the simulator itself, without the renderer's. td_stats_put restores them, except for the time spent. */
 void td_stats_take(const tides_simulator *simulator, tides_stats *stats);
 void td_stats_put(tides_simulator *simulator, const tides_stats *stats);
-
-/* Sets one of the statistics (counts and reals) to a number. */
-void td_stat_set(tides_stats *stats, const tides_stat *row, double value);
 
 /* tides_stats.worst_residual. */
 double td_worst_residual(const tides_simulator *simulator);
