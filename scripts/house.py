@@ -7,7 +7,8 @@ arrows     every #include goes to a folder that scripts/arrows.txt allows
 circles    no files of a folder of lib or cli use one another's functions in a circle, but for those of its `circle` lines; files
            of folders within another use those of the folders beside them as it allows
 wide       no struct of lib or cli has more than 30 fields, and no function more than 8 parameters, but those of its `wide` lines
-cites      comments and pages cite files that are in the repository, and sections that docs/DESIGN.md has
+cites      comments and pages cite files that are in the repository, and sections that docs/DESIGN.md has; each mutant of
+           tests/mutants.txt finds its text, once
 openings   every file of lib begins with a comment of a sentence or more
 guards     no two headers hide each other
 libm       lib and kernels call no function of <math.h> whose last bits differ from one C library to another
@@ -278,6 +279,18 @@ def check_cites(root):
             cited += check_identifiers(root, path, text, identifiers)
         for offset, words in cited:
             found.append(f"{path.relative_to(root)}:{text.count(chr(10), 0, offset) + 1}: {words}")
+    return found + check_mutants(root)
+
+
+def check_mutants(root):
+    found, listed = [], root / "tests/mutants.txt"
+    for number, line in enumerate(listed.read_text().splitlines() if listed.is_file() else [], 1):
+        name, *words = line.split("\t")
+        if name.startswith("#") or not words:
+            continue
+        times = (root / name).read_text().count(words[0]) if (root / name).is_file() else 0
+        if times != 1:
+            found.append(f"tests/mutants.txt:{number}: {name} has {words[0]} {times} times")
     return found
 
 

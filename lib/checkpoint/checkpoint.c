@@ -26,8 +26,7 @@
  *
  * Each array is a row of the state that the simulator's parts list. Images are in image order (except the risk), so that a
  * run with other tiles can continue. All datasets are shuffled and deflated. The HDF5 file is followed by a line with its
- * checksum.
- * them up (but for the risk). All datasets are shuffled and deflated. Behind the HDF5 file comes the seal (file.c). */
+ * checksum (file.c). */
 #include "td_checkpoint.h"
 
 #include <inttypes.h>
@@ -79,19 +78,20 @@ static tides_status check_facts(const td_place *place, const td_facts *facts) {
 
 static tides_status write_last(const td_place *root, const tides_event *last) {
     char text[64] = "";
-    if (last->polarity) snprintf(text, sizeof text, "%" PRId64 " %u %u %d", last->t, last->x, last->y, last->polarity);
+    if (last) snprintf(text, sizeof text, "%" PRId64 " %u %u %d", last->t, last->x, last->y, last->polarity);
     return td_place_write_text(root, "last_event", text);
 }
 
 static tides_status write_root(const td_place *root, const tides_simulator *s, const char *run) {
+    const td_reached reached = td_simulator_reached(s);
     tides_status status = td_place_write_text(root, "format", TD_CHECKPOINT_FORMAT);
     if (status == TIDES_OK) status = td_place_write_int(root, "version", TD_CHECKPOINT_VERSION);
     if (status == TIDES_OK) status = td_place_write_text(root, "tides_version", tides_version());
     if (status == TIDES_OK) status = td_place_write_text(root, "run", run ? run : "");
-    if (status == TIDES_OK) status = td_place_write_double(root, "step", (double)s->step);
-    if (status == TIDES_OK) status = td_place_write_double(root, "time", td_grid_time(s, s->step));
-    if (status == TIDES_OK) status = td_place_write_int(root, "ended", s->step == s->grid.steps);
-    return status == TIDES_OK ? write_last(root, &s->packet.last) : status;
+    if (status == TIDES_OK) status = td_place_write_double(root, "step", (double)reached.step);
+    if (status == TIDES_OK) status = td_place_write_double(root, "time", reached.seconds);
+    if (status == TIDES_OK) status = td_place_write_int(root, "ended", reached.step == td_simulator_saved(s).steps);
+    return status == TIDES_OK ? write_last(root, td_simulator_last(s)) : status;
 }
 
 static tides_status write_all(const td_place *root, const tides_simulator *s, const char *run, const td_facts *facts,
@@ -125,10 +125,10 @@ static tides_status save(const tides_simulator *s, const char *run, const char *
 tides_status tides_simulator_save(const tides_simulator *simulator, const char *run, const char *path, tides_error *error) {
     if (!simulator || !path)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_save: simulator and path must be given");
-    if (simulator->broken)
+    if (td_simulator_reached(simulator).broken)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: an earlier error left a step half done: there is no state to save",
                        path);
-    if (!simulator->started)
+    if (!td_simulator_reached(simulator).started)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the run hasn't begun: call tides_simulator_run first", path);
     td_facts facts;
     td_saved saved;
@@ -146,11 +146,8 @@ tides_status tides_simulator_save(const tides_simulator *simulator, const char *
 
 /* The contents of a checkpoint. */
 typedef struct contents {
-    int64_t step;
-    tides_event last;
-    tides_stats totals;
+    td_resumed rest;
     td_saved saved;
-    tides_arbiter *arbiter; /* NULL without a readout */
 } contents;
 
 static tides_status check_version(const td_place *root) {
@@ -178,6 +175,7 @@ static tides_status check_run(const td_place *root, const char *run) {
  * run's end, its last nanosecond is included and its readout emptied, which isn't so in a longer run. Files from before
  * `ended` aren't checked for that. */
 static tides_status read_step(const td_place *root, const tides_simulator *s, int64_t *step) {
+    const td_saved_run run = td_simulator_saved(s);
     double steps = 0, time = 0;
     int32_t ended = 0;
     tides_status status = td_place_read_double(root, "step", &steps);
@@ -186,14 +184,14 @@ static tides_status read_step(const td_place *root, const tides_simulator *s, in
     if (status != TIDES_OK) return status;
     if (!(steps >= 0) || steps > 1e15 || steps != (double)(int64_t)steps)
         return td_fail(root->error, TIDES_BAD_FILE, "%s: step is %g, no number of steps", root->file, steps);
-    if (steps > (double)s->grid.steps || time > s->length)
+    if (steps > (double)run.steps || time > run.length)
         return td_fail(root->error, TIDES_BAD_CONFIG, "%s: was made at %.15g s, after time.stop = %.15g s", root->file,
-                       s->epoch + time, s->epoch + s->length);
-    if (time != td_grid_time(s, (int64_t)steps) || (ended && (int64_t)steps < s->grid.steps))
+                       run.epoch + time, run.epoch + run.length);
+    if (time != td_simulator_grid_time(s, (int64_t)steps) || (ended && (int64_t)steps < run.steps))
         return td_fail(root->error, TIDES_BAD_CONFIG,
                        "%s: was made at %s s, which is no end of a step now that time.stop is %s s: only a run that "
                        "stopped before its end, or kept its checkpoint (--keep-checkpoint), can be extended",
-                       root->file, TD_SHORT(s->epoch + time), TD_SHORT(s->epoch + s->length));
+                       root->file, TD_SHORT(run.epoch + time), TD_SHORT(run.epoch + run.length));
     *step = (int64_t)steps;
     return TIDES_OK;
 }
@@ -229,13 +227,13 @@ static tides_status read_all(const td_place *root, const tides_simulator *s, con
                              contents *got) {
     td_place group;
     tides_status status = check_is_same(root, run, facts);
-    if (status == TIDES_OK) status = read_step(root, s, &got->step);
-    if (status == TIDES_OK) status = read_last(root, &got->last);
+    if (status == TIDES_OK) status = read_step(root, s, &got->rest.step);
+    if (status == TIDES_OK) status = read_last(root, &got->rest.last);
     if (status == TIDES_OK) status = td_place_open(root, "statistics", &group);
     if (status != TIDES_OK) return status;
-    status = td_totals_read(&group, &got->totals);
+    status = td_totals_read(&group, &got->rest.totals);
     H5Gclose(group.id);
-    if (status == TIDES_OK) status = td_readout_read(s, root, &got->arbiter);
+    if (status == TIDES_OK) status = td_readout_read(s, root, &got->rest.arbiter);
     return status == TIDES_OK ? td_saved_read(&got->saved, s, root) : status;
 }
 
@@ -252,10 +250,11 @@ static tides_status read_file(const tides_simulator *s, const char *run, const c
 tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path, tides_error *error) {
     if (!simulator || !path)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_restore: simulator and path must be given");
-    if (simulator->started || simulator->broken)
+    const td_reached reached = td_simulator_reached(simulator);
+    if (reached.started || reached.broken)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the simulator has run already: restore into a new one", path);
     td_facts facts;
-    contents got = {.arbiter = NULL};
+    contents got = {.rest = {.arbiter = NULL}};
     tides_status status = td_facts_gather(simulator, &facts, error);
     if (status == TIDES_OK) status = td_saved_create(&got.saved, simulator, error);
     if (status != TIDES_OK) return status;
@@ -263,13 +262,9 @@ tides_status tides_simulator_restore(tides_simulator *simulator, const char *run
     H5E_END_TRY
     if (status == TIDES_OK) {
         td_saved_give(&got.saved, simulator);
-        td_simulator_resume(simulator, got.step, &got.totals);
-        simulator->packet.last = got.last;
-        tides_arbiter *own = simulator->readout.arbiter; /* both are NULL, or neither is */
-        simulator->readout.arbiter = got.arbiter;
-        got.arbiter = own;
+        td_simulator_resume(simulator, &got.rest);
     }
-    tides_arbiter_destroy(got.arbiter);
+    tides_arbiter_destroy(got.rest.arbiter);
     td_saved_free(&got.saved);
     return status;
 }

@@ -116,25 +116,26 @@ static void add_keys(td_facts *facts, const void *values, size_t from, size_t si
 #define ADD_KEYS(facts, values, member) add_keys(facts, values, offsetof(tides_run_values, member), sizeof *(values))
 
 tides_status td_facts_gather(const tides_simulator *s, td_facts *facts, tides_error *error) {
+    const td_saved_run run = td_simulator_saved(s);
     uint64_t scene = 0, path = 0;
-    tides_status status = add_scene(&scene, s->scene, error);
-    if (status == TIDES_OK) status = add_trajectory(&path, s->camera, error);
+    tides_status status = add_scene(&scene, run.scene, error);
+    if (status == TIDES_OK) status = add_trajectory(&path, run.camera, error);
     if (status != TIDES_OK) return status;
     facts->count = 0;
     add(facts, "numerics of the library", TIDES_NUMERICS);
-    add(facts, "precision of the device in bits", td_renderer_is_double(s->renderer) ? 64 : 32);
-    add(facts, "camera.width", s->layout.width);
-    add(facts, "camera.height", s->layout.height);
-    add(facts, "time.start", s->epoch);
-    ADD_KEYS(facts, &s->stepping, stepping);
-    ADD_KEYS(facts, &s->sensor.sensor, sensor);
-    add_checksum(facts, "sensor's seed or labels", td_hash_words(0, &s->sensor.sensor, sizeof s->sensor.sensor));
-    if (s->sensor.maps_checksum) add_checksum(facts, "sensor.maps", s->sensor.maps_checksum);
-    ADD_KEYS(facts, &s->readout.params, readout);
-    ADD_KEYS(facts, &s->filters.params, filters);
+    add(facts, "precision of the device in bits", td_renderer_is_double(run.renderer) ? 64 : 32);
+    add(facts, "camera.width", run.width);
+    add(facts, "camera.height", run.height);
+    add(facts, "time.start", run.epoch);
+    ADD_KEYS(facts, run.stepping, stepping);
+    ADD_KEYS(facts, run.sensor, sensor);
+    add_checksum(facts, "sensor's seed or labels", td_hash_words(0, run.sensor, sizeof *run.sensor));
+    if (run.maps_checksum) add_checksum(facts, "sensor.maps", run.maps_checksum);
+    ADD_KEYS(facts, run.readout, readout);
+    ADD_KEYS(facts, run.filters, filters);
     add_checksum(facts, "scene", scene);
     add_checksum(facts, "camera path", path);
-    add_checksum(facts, "image parameters or intrinsics", image_checksum(s->renderer));
+    add_checksum(facts, "image parameters or intrinsics", image_checksum(run.renderer));
     if (facts->count <= TD_FACTS_MAX) return TIDES_OK;
     return td_fail(error, TIDES_UNSUPPORTED, "a run has %d facts: raise TD_FACTS_MAX", facts->count);
 }

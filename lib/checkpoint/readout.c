@@ -6,8 +6,9 @@
 tides_status td_readout_write(const tides_simulator *s, const td_place *root) {
     int64_t *numbers = NULL;
     size_t count = 0;
-    if (!s->readout.arbiter) return TIDES_OK;
-    tides_status status = td_arbiter_pack(s->readout.arbiter, &numbers, &count, root->error);
+    const tides_arbiter *arbiter = td_simulator_saved(s).arbiter;
+    if (!arbiter) return TIDES_OK;
+    tides_status status = td_arbiter_pack(arbiter, &numbers, &count, root->error);
     if (status != TIDES_OK) return status;
     const uint64_t shape[] = {count};
     status = td_place_write(root, "readout", H5T_STD_I64LE, H5T_NATIVE_INT64, 1, shape, numbers);
@@ -44,14 +45,14 @@ static tides_status read_numbers(const td_place *root, int64_t **numbers, size_t
 
 /* Reads into a new arbiter, so that a bad file leaves the simulator unchanged. */
 tides_status td_readout_read(const tides_simulator *s, const td_place *root, tides_arbiter **arbiter) {
+    const td_saved_run run = td_simulator_saved(s);
     int64_t *numbers = NULL;
     size_t count = 0;
-    if (!s->readout.arbiter) return TIDES_OK;
+    if (!run.arbiter) return TIDES_OK;
     tides_status status = read_numbers(root, &numbers, &count);
     if (status == TIDES_OK)
-        status = tides_arbiter_create(&s->readout.params, s->layout.width, s->layout.height, s->sensor.sensor.seed, arbiter,
-                                      root->error);
-    if (status == TIDES_OK) tides_arbiter_start(*arbiter, s->readout.arbiter->start_ns);
+        status = tides_arbiter_create(run.readout, run.width, run.height, run.sensor->seed, arbiter, root->error);
+    if (status == TIDES_OK) tides_arbiter_start(*arbiter, run.arbiter->start_ns);
     if (status == TIDES_OK) status = td_arbiter_unpack(*arbiter, numbers, count, root->error);
     if (status == TIDES_BAD_FILE) status = td_fail_within(root->error, status, "%s", root->file);
     free(numbers);

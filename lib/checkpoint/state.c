@@ -15,7 +15,6 @@ tides_status td_saved_create(td_saved *saved, const tides_simulator *simulator, 
     tides_simulator *s = (tides_simulator *)(uintptr_t)simulator;
     memset(saved, 0, sizeof *saved);
     td_simulator_state(s, &saved->state);
-    td_sensor_state(&s->sensor, &saved->state);
     if (saved->state.lost)
         return td_fail(error, TIDES_UNSUPPORTED, "the run's state has %d arrays more than a checkpoint takes (TD_STATE_ROWS)",
                        saved->state.lost);
@@ -28,33 +27,21 @@ tides_status td_saved_create(td_saved *saved, const tides_simulator *simulator, 
     return TIDES_OK;
 }
 
-/* Copies a row between the simulator, in the order of tiles, and its copy, in the image's order. */
-static void copy_pixels(const tides_simulator *s, const td_state_row *row, void *copy, int into_simulator) {
-    const size_t size = td_state_size(row->type);
-    for (int t = 0; t < s->layout.tiles; t++) {
-        const td_tile *tile = &s->layout.tile[t];
-        for (int i = 0; i < tile->count; i += tile->width) { /* a row of the tile is part of a row of the image */
-            const size_t out = (size_t)(tile->y0 + i / tile->width) * (size_t)s->layout.width + (size_t)tile->x0;
-            char *own = (char *)row->values + (s->layout.first_pixel[t] + (size_t)i) * size, *other = (char *)copy + out * size;
-            memcpy(into_simulator ? own : other, into_simulator ? other : own, (size_t)tile->width * size);
-        }
-    }
-}
-
-static void exchange(const tides_simulator *s, const td_saved *saved, int into_simulator) {
+static void exchange(const tides_simulator *s, const td_saved *saved, int direction) {
+    const int into_simulator = direction == TD_FROM_IMAGE;
     for (int i = 0; i < saved->state.rows; i++) {
         const td_state_row *row = &saved->state.row[i];
         if (row->order == TD_STATE_PIXELS)
-            copy_pixels(s, row, saved->copy[i], into_simulator);
+            td_simulator_copy_pixels(s, direction, td_state_size(row->type), row->values, saved->copy[i]);
         else
             memcpy(into_simulator ? row->values : saved->copy[i], into_simulator ? saved->copy[i] : row->values,
                    row->count * td_state_size(row->type));
     }
 }
 
-void td_saved_take(td_saved *saved, const tides_simulator *s) { exchange(s, saved, 0); }
+void td_saved_take(td_saved *saved, const tides_simulator *s) { exchange(s, saved, TD_TO_IMAGE); }
 
-void td_saved_give(const td_saved *saved, tides_simulator *s) { exchange(s, saved, 1); }
+void td_saved_give(const td_saved *saved, tides_simulator *s) { exchange(s, saved, TD_FROM_IMAGE); }
 
 /* -- datasets -------------------------------------------------------------------------------------------------------------- */
 
@@ -68,8 +55,9 @@ typedef struct dataset {
 
 static dataset dataset_of(const tides_simulator *s, const td_saved *saved, int i) {
     const td_state_row *row = &saved->state.row[i];
+    const td_saved_run run = td_simulator_saved(s);
     dataset d = {row->name, row->type, {row->count, 0}, saved->copy[i]};
-    if (row->order == TD_STATE_PIXELS) d.extent[0] = (hsize_t)s->layout.height, d.extent[1] = (hsize_t)s->layout.width;
+    if (row->order == TD_STATE_PIXELS) d.extent[0] = (hsize_t)run.height, d.extent[1] = (hsize_t)run.width;
     return d;
 }
 

@@ -5,7 +5,8 @@
 
 #include "archive/td_h5.h"
 #include "archive/td_h5_place.h"
-#include "solver/td_simulator.h"
+#include "solver/td_reached.h"
+#include "solver/td_saved_run.h"
 
 /* The version is raised when older readers would misread the file. */
 #define TD_CHECKPOINT_FORMAT "tides-checkpoint"

@@ -40,8 +40,8 @@ void td_sharing_release(td_sharing *sharing);
 typedef tides_status (*td_portion_worker)(const tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                                           tides_error *error);
 
-/* Tiles per portion at least, where tiles are compared. */
-enum { TD_FEWEST_TILES = 4 };
+/* Units per portion at least, where units are compared. */
+enum { TD_FEWEST_UNITS = 4 };
 
 /* Shares out `count` units, at least `fewest` to a portion, and joins the results to the run's. Where portions fail, the first
  * in order of units gives the error, and the results before it are joined. */

@@ -19,7 +19,7 @@ typedef struct td_refine_step {
     int32_t begin, end; /* samples at both ends */
     int32_t probe;      /* the one of these at which a longer step was cut; -1: this is a whole macro step */
     int32_t next;       /* index, or -1 */
-    int32_t tile;
+    int32_t unit;
     uint32_t swap;    /* where a swap of depth cuts it; 0: it is cut where it is probed */
     int32_t begins;   /* 1: a swap begins at `swap`, 0: it ends there */
     int16_t cuts;     /* cuts of the macro step that led to this step */

@@ -8,6 +8,7 @@
 #include "td_grid.h"
 #include "td_portion.h"
 #include "td_refine.h"
+#include "td_saved_run.h"
 #include "td_reached.h"
 #include "td_readout.h"
 #include "td_solve.h"
@@ -54,18 +55,18 @@ typedef struct td_parameters {
     int sample_planes;      /* of these, those that are kept: TD_PLANES_SIGNAL or TD_PLANES_ALL */
 } td_parameters;
 
-/* The image and its units, which the solver calls tiles. */
+/* The image and its units. */
 typedef struct td_layout {
     int width, height;
     int image_tiles; /* tiles of the renderer */
-    int tiles;
-    td_tile *tile;       /* (tiles) */
-    size_t *first_pixel; /* (tiles + 1): where a tile's pixels begin in arrays of pixels */
+    int units;
+    td_tile *unit;       /* (units) the pixels of each */
+    size_t *first_pixel; /* (units + 1): where a unit's pixels begin in arrays of pixels */
 } td_layout;
 
-/* Tiles that can change in the interval swept last. */
+/* Units that can change in the interval swept last. */
 typedef struct td_moving {
-    int *list; /* (tiles) */
+    int *list; /* (units) */
     int count;
     int tiles; /* number of the renderer's tiles with them */
 } td_moving;
@@ -107,7 +108,7 @@ struct tides_simulator {
     int started;         /* the first sample exists */
     int64_t step;        /* steps taken */
     td_sample now, next; /* at the step's two ends */
-    double *tile_risk;   /* (tiles) at the time reached */
+    double *unit_risk;   /* (units) at the time reached */
 
     td_moving moving;
     td_batch_size batch;
@@ -129,8 +130,8 @@ static inline void td_turn_samples(tides_simulator *simulator) {
     simulator->next = passed;
 }
 
-/* Largest risk score of a tile's pixels, from planes of TD_OUT_DIAGNOSTICS. */
-double td_tile_risk(const tides_simulator *simulator, const td_tile *tile, const double *planes);
+/* Largest risk score of a unit's pixels, from planes of TD_OUT_DIAGNOSTICS. */
+double td_unit_risk(const tides_simulator *simulator, const td_tile *tile, const double *planes);
 
 /* Sweeps [start, stop], from the time reached on. s->moving.list then lists the units that can change in it. Where motions have
  * a knot at `start`, S_dot becomes the rate of the motion that begins there. */
@@ -178,15 +179,15 @@ static inline int td_fixed_outputs(const tides_simulator *simulator) {
     return simulator->given.sample_planes == TD_PLANES_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
 }
 
-/* A step of a tile between two samples of it: sample_planes pointers each; `light` is log-luminance where the planes aren't
- * (behind a surround), else NULL. The comparator changes only the tile's pixels. */
+/* A step of a unit between two samples of it: sample_planes pointers each; `light` is log-luminance where the planes aren't
+ * (behind a surround), else NULL. The comparator changes only the unit's pixels. */
 typedef struct td_compared {
-    int tile;
+    int unit;
     const td_step *step;
     const double *const *begin, *const *end;
     const td_signals *light;
 } td_compared;
-tides_status td_compare_tile(const tides_simulator *simulator, td_portion *portion, const td_compared *compared,
+tides_status td_compare_unit(const tides_simulator *simulator, td_portion *portion, const td_compared *compared,
                              tides_error *error);
 
 /* Runs the comparator over one step of the units in which nothing moves, for sensors that may fire at rest. */
@@ -221,17 +222,9 @@ void td_undo_stopped(tides_simulator *simulator, tides_status status);
 /* The value that a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);
 
-/* td_simulator_state adds the arrays that a checkpoint holds. td_simulator_resume goes on from grid point `step`, when these
- * and the sensor's arrays are restored. `before` are the counts until then. */
-void td_simulator_state(tides_simulator *simulator, td_state *state);
-void td_simulator_resume(tides_simulator *simulator, int64_t step, const tides_stats *before);
-
 /* Counts of the simulator itself, without the renderer's. td_stats_put restores them, except for the time spent. */
 void td_stats_take(const tides_simulator *simulator, tides_stats *stats);
 void td_stats_put(tides_simulator *simulator, const tides_stats *stats);
-
-/* Sets one of the statistics (counts and reals) to a number. */
-void td_stat_set(tides_stats *stats, const tides_stat *row, double value);
 
 /* tides_stats.worst_residual. */
 double td_worst_residual(const tides_simulator *simulator);

@@ -57,7 +57,7 @@ enum { TD_KNOWS_START = 1, TD_KNOWS_END = 2 };
 
 /* A pixel that may do something, and how far it is settled. */
 typedef struct td_solving {
-    int32_t tile, local;
+    int32_t unit, local;
     int32_t next, end; /* its steps that aren't settled: td_looked, neighbours */
     int32_t waits;     /* for its reference */
 } td_solving;

@@ -36,7 +36,7 @@ static double level_seconds(tides_simulator *s, const int *tiles, int count, dou
                               &(td_tile_batch){&time, 1, TD_SIDE_BEGINS, requests, count, TD_OUT_SIGNAL}, planes, &error),
             &error);
     for (int i = 0; i < count; i++) {
-        const td_tile *tile = &s->layout.tile[tiles[i]];
+        const td_tile *tile = &s->layout.unit[tiles[i]];
         size_t at = s->layout.first_pixel[tiles[i]];
         td_unpack_tile(tile, planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, sample, sample + TD_TILE_PIXELS);
         td_signals signals = {s->now.plane[TD_PLANE_S] + at, s->now.plane[TD_PLANE_S_DOT] + at, sample,
@@ -77,11 +77,11 @@ static void measure(tides_simulator *s) {
     tides_error error;
     int filled[TILES_MAX], tiles[TILES_MAX], filled_count = 0;
     double work[SIZES] = {0}, frame = 0, average;
-    double *planes = malloc((size_t)s->layout.tiles * TD_OUT_SIGNAL * TD_TILE_PIXELS * sizeof *planes);
-    if (!planes || s->layout.tiles > TILES_MAX) exit(1);
+    double *planes = malloc((size_t)s->layout.units * TD_OUT_SIGNAL * TD_TILE_PIXELS * sizeof *planes);
+    if (!planes || s->layout.units > TILES_MAX) exit(1);
     stop_on(tides_simulator_run(s, s->epoch, NULL, NULL, NULL, NULL, &error), &error);
     stop_on(td_renderer_sweep(s->renderer, s->camera, 0, interval_s, &error), &error);
-    for (int t = 0; t < s->layout.tiles; t++)
+    for (int t = 0; t < s->layout.units; t++)
         if (s->renderer->candidates.first[t + 1] > s->renderer->candidates.first[t]) filled[filled_count++] = t;
     for (int round = 0; round < ROUNDS; round++)
         for (int i = 0; i < OFFSETS; i++)
@@ -91,7 +91,7 @@ static void measure(tides_simulator *s) {
                 seconds[k][i][round] = level_seconds(s, tiles, count, planes);
                 work[k] += work_of(s, tiles, count);
             }
-    printf("%d of %d tiles hold splats\n%8s %10s %10s %10s %12s %12s\n", filled_count, s->layout.tiles, "tiles", "best us",
+    printf("%d of %d tiles hold splats\n%8s %10s %10s %10s %12s %12s\n", filled_count, s->layout.units, "tiles", "best us",
            "median us", "of frame %", "its work %", "beyond %");
     for (int k = 0; k < SIZES; k++) {
         double best = typical(seconds[k], &average);

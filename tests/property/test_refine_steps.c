@@ -47,13 +47,13 @@ static double excess_of(const tides_simulator *s, const job *j, const td_refine_
     const td_signals signals = {from, from + TD_TILE_PIXELS, to, to + TD_TILE_PIXELS};
     const td_estimated judged = {h,
                                  &signals,
-                                 s->sensor.pixels.reference + s->layout.first_pixel[step->tile],
+                                 s->sensor.pixels.reference + s->layout.first_pixel[step->unit],
                                  deviation,
                                  s->done.timing.rounding,
-                                 s->layout.tile[step->tile].count};
+                                 s->layout.unit[step->unit].count};
     td_sensor sensor = s->sensor; /* ideal: nothing is remembered of what is asked */
-    td_estimate e = td_sensor_estimate(&sensor, &judged, s->layout.first_pixel[step->tile], 0, 0);
-    double excess = 2 * share * s->renderer->candidates.travel[step->tile];
+    td_estimate e = td_sensor_estimate(&sensor, &judged, s->layout.first_pixel[step->unit], 0, 0);
+    double excess = 2 * share * s->renderer->candidates.travel[step->unit];
     *risk = fmax(*td_sample_risk(&r->samples, step->begin), *td_sample_risk(&r->samples, step->end));
     if (j->stepping.mode & TIDES_STEPPING_RISK) excess = fmax(excess, share * (1 + 31 * *risk));
     if (j->stepping.mode & TIDES_STEPPING_ERROR)
@@ -81,9 +81,9 @@ static void check_lists(const tides_simulator *s, const job *j, double start, do
             double excess = excess_of(s, j, step, share, h, &risk);
             assert_true(step->from == reached);
             assert_true(step->to > reached);
-            assert_true(step->tile == s->moving.list[i]);
+            assert_true(step->unit == s->moving.list[i]);
             assert_true(step->next < 0 || step->end == r->step[step->next].begin);
-            if (excess > 1 + 1e-9 && td_refine_may_cut(r, step)) fail_msg("tile %d: %g above the limit", step->tile, excess);
+            if (excess > 1 + 1e-9 && td_refine_may_cut(r, step)) fail_msg("tile %d: %g above the limit", step->unit, excess);
             most_risk = fmax(most_risk, risk);
             most_excess = fmax(most_excess, excess);
             reached = step->to;
@@ -163,7 +163,7 @@ static void check_still_tiles(const tides_simulator *s, const job *j, double sta
     (void)start;
     (void)stop;
     assert_true(s->moving.count > 0);
-    assert_true(s->moving.count < s->layout.tiles);
+    assert_true(s->moving.count < s->layout.units);
     for (size_t k = first; k < o->count; k++) {
         int tiles_x = (j->camera.width + TD_TILE - 1) / TD_TILE,
             tile = o->events[k].y / TD_TILE * tiles_x + o->events[k].x / TD_TILE;

@@ -218,8 +218,8 @@ static void test_any_batches(void **state) {
  * what they are taken to be off by. */
 static double know_all(tides_simulator *s) {
     double worst = 0;
-    for (int t = 0; t < s->layout.tiles; t++) {
-        const td_tile *tile = &s->layout.tile[t];
+    for (int t = 0; t < s->layout.units; t++) {
+        const td_tile *tile = &s->layout.unit[t];
         const size_t first = s->layout.first_pixel[t];
         double doubt[TD_TILE_PIXELS];
         td_point points[TD_TILE_PIXELS];

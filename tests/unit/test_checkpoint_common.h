@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "checkpoint/td_checkpoint.h"
+#include "solver/td_simulator.h"
 #include "tests/support/model_steps.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"

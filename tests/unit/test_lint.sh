@@ -133,6 +133,14 @@ rm "$work/lib/lower/x.c"
 printf 'x = pow(x, 2.0f);\n' >"$work/kernels/x.cl"
 expect 1 '^kernels/x.cl:1: pow\(\): ' libm "one of the device's"
 rm "$work/kernels/x.cl"
+# -- mutants -----------------------------------------------------------------------------------------------------------
+printf '%s\nint td_y(int x) { return x + 1; }\n' "$opening" >"$work/lib/lower/y.c"
+printf '# mutants\nlib/lower/y.c\tx + 1\tx + 2\tunit/test_y\n' >"$work/tests/mutants.txt"
+expect 0 '^$' cites "a mutant's text that is there"
+sed -i s/'x + 1'/'1 + x'/ "$work/lib/lower/y.c"
+expect 1 '^tests/mutants.txt:2: lib/lower/y.c has x \+ 1 0 times' cites "one that is gone"
+rm "$work/lib/lower/y.c" "$work/tests/mutants.txt"
+
 # -- prose -------------------------------------------------------------------------------------------------------------
 prose() { # CODE WORDS WHAT
     house="${PYTHON:-python3} $PWD/scripts/prose.py"

@@ -71,7 +71,7 @@ tides_status td_solve_create(tides_simulator *s, tides_error *error) {
     if (!solve->on) return TIDES_OK;
     tides_status status = td_renderer_exact_points(s->renderer, error);
     if (status != TIDES_OK) return status;
-    solve->known = td_alloc(s->layout.first_pixel[s->layout.tiles], sizeof *solve->known, error);
+    solve->known = td_alloc(s->layout.first_pixel[s->layout.units], sizeof *solve->known, error);
     if (!solve->known) return TIDES_NO_MEMORY;
     solve->is_exact = !td_renderer_points_rounded(s->renderer);
     solve->samples = s->done.timing.rounding + TD_SOLVE_SAMPLES;
@@ -127,7 +127,7 @@ static tides_status list_pixel(const tides_simulator *s, td_solve_portion *solve
                                                            .first = -1};
     }
     if (status == TIDES_OK)
-        batch->pixel[batch->pixels++] = (td_solving){r->step[first].tile, i, (int32_t)begun, (int32_t)solve->looked_count, 0};
+        batch->pixel[batch->pixels++] = (td_solving){r->step[first].unit, i, (int32_t)begun, (int32_t)solve->looked_count, 0};
     return status;
 }
 
@@ -136,9 +136,9 @@ static tides_status list_pixel(const tides_simulator *s, td_solve_portion *solve
 static tides_status find_active(const tides_simulator *s, td_solve_portion *solve, int32_t step, size_t row,
                                 const double *doubt, uint8_t *active, tides_error *error) {
     const td_refine_step *refined = &s->refine.step[step];
-    const td_tile *tile = &s->layout.tile[refined->tile];
+    const td_tile *tile = &s->layout.unit[refined->unit];
     const td_solve_step *at = &s->solve.step[step];
-    const size_t pixels = (size_t)s->refine.samples.pixels, first = s->layout.first_pixel[refined->tile];
+    const size_t pixels = (size_t)s->refine.samples.pixels, first = s->layout.first_pixel[refined->unit];
     double widen[TD_TILE_PIXELS];
     tides_status status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, (row + 1) * pixels, 1, error);
     if (status == TIDES_OK)
@@ -159,9 +159,9 @@ static tides_status run_last(const tides_simulator *s, td_portion *portion, tide
     const td_solve *solve = &s->solve;
     td_solve_batch *batch = portion->solve.asks;
     td_solving *pixel = &batch->pixel[batch->pixels - 1];
-    if (solve->known[s->layout.first_pixel[pixel->tile] + (size_t)pixel->local] == 0) {
+    if (solve->known[s->layout.first_pixel[pixel->unit] + (size_t)pixel->local] == 0) {
         pixel->waits = 1;
-        return td_solve_ask_reference(s, &portion->solve, pixel->tile, pixel->local, error);
+        return td_solve_ask_reference(s, &portion->solve, pixel->unit, pixel->local, error);
     }
     tides_status status = td_solve_run(s, portion, portion->solve.looked, pixel, error);
     if (pixel->next == pixel->end) batch->pixels--;
@@ -181,10 +181,10 @@ static tides_status begin_unit(const tides_simulator *s, td_portion *portion, in
         memcpy(before, active, sizeof before);
         status = lay_step(s, &r->step[k], &s->solve.step[k], error);
         if (status == TIDES_OK) status = find_active(s, &portion->solve, k, rows, doubt, active, error);
-        for (int32_t i = 0; i < s->layout.tile[t].count; i++)
+        for (int32_t i = 0; i < s->layout.unit[t].count; i++)
             if (active[i] != before[i]) first[i] = k, row[i] = rows;
     }
-    for (int32_t i = 0; i < s->layout.tile[t].count && status == TIDES_OK; i++) {
+    for (int32_t i = 0; i < s->layout.unit[t].count && status == TIDES_OK; i++) {
         if (!active[i]) continue;
         /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): `first` was set where the pixel became active */
         status = list_pixel(s, &portion->solve, first[i], row[i], i, error);

@@ -20,7 +20,7 @@ tides_status td_solve_keep_start(tides_simulator *s, tides_error *error) {
  * wrongly taken to act only costs a look. */
 void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
     enum { ROUNDINGS = 4 };
-    const td_tile *tile = &s->layout.tile[t];
+    const td_tile *tile = &s->layout.unit[t];
     const size_t first = s->layout.first_pixel[t];
     const double *known = s->solve.known, *rest = s->sensor.pixels.initial + first;
     for (int32_t i = 0; i < tile->count; i++) {
@@ -33,7 +33,7 @@ void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
 tides_status td_solve_ask_reference(const tides_simulator *s, td_solve_portion *portion, int t, int32_t local,
                                     tides_error *error) {
     td_solve_refer_list *refer = &portion->refer;
-    const td_tile *tile = &s->layout.tile[t];
+    const td_tile *tile = &s->layout.unit[t];
     const size_t k = refer->count;
     tides_status status = td_reserve((void **)&refer->wanted, &refer->wanted_capacity, k + 1, sizeof *refer->wanted, error);
     if (status == TIDES_OK)
@@ -72,16 +72,16 @@ static tides_status ask_at_rest(tides_simulator *s, int t, int32_t local, double
     const td_asked asked = {-1, local, 0};
     tides_status status =
         td_reserve((void **)&batch->pixel, &batch->pixel_capacity, batch->pixels + 1, sizeof *batch->pixel, error);
-    if (status == TIDES_OK) status = td_solve_ask(batch, &s->layout.tile[t], local, start, &asked, error);
+    if (status == TIDES_OK) status = td_solve_ask(batch, &s->layout.unit[t], local, start, &asked, error);
     if (status == TIDES_OK) batch->pixel[batch->pixels++] = (td_solving){t, local, 0, 0, 0};
     return status;
 }
 
-/* Requests the values of pixels of a tile in which nothing moves, if they may do something in the step, and their references
+/* Requests the values of pixels of a unit in which nothing moves, if they may do something in the step, and their references
  * where these aren't known. */
 static tides_status ask_still(tides_simulator *s, int t, const td_step *span, double start, tides_error *error) {
     static const double no_rate[TD_TILE_PIXELS] = {0};
-    const td_tile *tile = &s->layout.tile[t];
+    const td_tile *tile = &s->layout.unit[t];
     const double *S = s->now.plane[TD_PLANE_S] + s->layout.first_pixel[t];
     const td_signals signals = {S, no_rate, S, no_rate};
     double widen[TD_TILE_PIXELS];
@@ -105,7 +105,7 @@ tides_status td_solve_still(tides_simulator *s, const td_step *span, double star
     tides_status status = TIDES_OK;
     if (!solve->on || !s->sensor.active_at_rest) return TIDES_OK;
     td_solve_clear_batches(s);
-    for (int t = 0, moved = 0; t < s->layout.tiles && status == TIDES_OK; t++) { /* both lists are in ascending order */
+    for (int t = 0, moved = 0; t < s->layout.units && status == TIDES_OK; t++) { /* both lists are in ascending order */
         const int moves = moved < s->moving.count && s->moving.list[moved] == t;
         moved += moves;
         if (!moves) status = ask_still(s, t, span, start, error);
@@ -114,7 +114,7 @@ tides_status td_solve_still(tides_simulator *s, const td_step *span, double star
     if (status == TIDES_OK) status = td_solve_look_up(s, error);
     for (size_t k = 0; k < batch->points && status == TIDES_OK; k++) {
         const td_solving *pixel = &batch->pixel[k];
-        s->now.plane[TD_PLANE_S][s->layout.first_pixel[pixel->tile] + (size_t)pixel->local] = batch->value[k].L;
+        s->now.plane[TD_PLANE_S][s->layout.first_pixel[pixel->unit] + (size_t)pixel->local] = batch->value[k].L;
     }
     return status;
 }

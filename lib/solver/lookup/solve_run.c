@@ -63,7 +63,7 @@ static void take_rounding(td_visit *v) {
     v->model.start = v->looked->known_ends & TD_KNOWS_START ? 0 : samples;
     v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : samples;
     v->model.floor = s->solve.is_exact ? TD_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
-                                       : td_timing_rounding(&s->done.timing, &s->layout.tile[v->pixel->tile],
+                                       : td_timing_rounding(&s->done.timing, &s->layout.unit[v->pixel->unit],
                                                             v->now->signals.S1, v->pixel->local);
 }
 
@@ -72,7 +72,7 @@ static void take_rounding(td_visit *v) {
 static tides_status ask(const td_visit *v, double s, tides_error *error) {
     const double time = v->now->from + s * (v->now->to - v->now->from);
     const td_asked asked = {v->number, v->pixel->local, s};
-    return td_solve_ask(v->portion->solve.asks, &v->s->layout.tile[v->pixel->tile], v->pixel->local,
+    return td_solve_ask(v->portion->solve.asks, &v->s->layout.unit[v->pixel->unit], v->pixel->local,
                         td_lesser(time, v->now->to), &asked, error);
 }
 
@@ -187,7 +187,7 @@ static tides_status judge(td_visit *v, int *asked, int *doubts, tides_error *err
 /* -- the pixel ------------------------------------------------------------------------------------------------------------- */
 
 static tides_status advance(td_visit *v, tides_error *error) {
-    const td_tile *tile = &v->s->layout.tile[v->pixel->tile];
+    const td_tile *tile = &v->s->layout.unit[v->pixel->unit];
     const int32_t i = v->pixel->local;
     td_sensor_single single = {.step = &v->now->span,
                                .pixel = v->at,
@@ -225,7 +225,7 @@ static double ramp_at(const td_visit *v, double s) {
 
 /* Offers an event to the sample of events whose errors are measured at the macro step's end. */
 static tides_status sample(const td_visit *v, int n, double late, tides_error *error) {
-    const td_tile *tile = &v->s->layout.tile[v->pixel->tile];
+    const td_tile *tile = &v->s->layout.unit[v->pixel->unit];
     const td_change *change = &v->changes.change[n];
     const double time = v->now->from + change->s * (v->now->to - v->now->from);
     const td_sampled one = {.point = {td_lesser(time, v->now->to), tile->x0 + v->pixel->local % tile->width,
@@ -291,7 +291,7 @@ tides_status td_solve_run(const tides_simulator *s, td_portion *portion, td_look
     v.s = s;
     v.portion = portion;
     v.pixel = pixel;
-    v.at = s->layout.first_pixel[pixel->tile] + (size_t)pixel->local;
+    v.at = s->layout.first_pixel[pixel->unit] + (size_t)pixel->local;
     for (int32_t k = pixel->next; k < pixel->end && status == TIDES_OK; k++) {
         int asked = 0;
         enter(&v, looked, k);

@@ -102,9 +102,9 @@ static tides_status check_paths(const tides_scene *scene, const tides_trajectory
 }
 
 static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *error) {
-    int ok = (s->tile_risk = td_alloc((size_t)s->layout.tiles, sizeof *s->tile_risk, error)) != NULL;
-    ok = ok && (s->refine.head = td_alloc((size_t)s->layout.tiles, sizeof *s->refine.head, error)) != NULL;
-    ok = ok && (s->moving.list = td_alloc((size_t)s->layout.tiles, sizeof *s->moving.list, error)) != NULL;
+    int ok = (s->unit_risk = td_alloc((size_t)s->layout.units, sizeof *s->unit_risk, error)) != NULL;
+    ok = ok && (s->refine.head = td_alloc((size_t)s->layout.units, sizeof *s->refine.head, error)) != NULL;
+    ok = ok && (s->moving.list = td_alloc((size_t)s->layout.units, sizeof *s->moving.list, error)) != NULL;
     for (int p = 0; ok && p < s->given.sample_planes; p++)
         ok = (s->now.plane[p] = td_alloc(pixels, sizeof *s->now.plane[p], error)) != NULL &&
              (s->next.plane[p] = td_alloc(pixels, sizeof *s->next.plane[p], error)) != NULL;
@@ -232,7 +232,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (status == TIDES_OK) status = lay_out(s, intrinsics, error);
     if (status == TIDES_OK) status = prepare(s, sensor, error);
     if (status == TIDES_OK)
-        status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->layout.width, s->layout.tile, s->layout.tiles,
+        status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->layout.width, s->layout.unit, s->layout.units,
                                   &s->sensor, error);
     s->sensor.start.ns += s->grid.epoch_ns;
     if (status == TIDES_OK)
@@ -264,10 +264,10 @@ void tides_simulator_destroy(tides_simulator *simulator) {
         free(simulator->now.plane[p]);
         free(simulator->next.plane[p]);
     }
-    free(simulator->layout.tile);
+    free(simulator->layout.unit);
     free(simulator->layout.first_pixel);
     free(simulator->moving.list);
-    free(simulator->tile_risk);
+    free(simulator->unit_risk);
     td_work_release(&simulator->done.work);
     td_solve_portion_release(&simulator->done.solve);
     td_sharing_release(&simulator->sharing);
@@ -278,8 +278,8 @@ void tides_simulator_destroy(tides_simulator *simulator) {
 
 void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
                            uint32_t *count_off) {
-    for (int t = 0; t < simulator->layout.tiles; t++) {
-        const td_tile *tile = &simulator->layout.tile[t];
+    for (int t = 0; t < simulator->layout.units; t++) {
+        const td_tile *tile = &simulator->layout.unit[t];
         for (int i = 0; i < tile->count; i++) {
             size_t from = simulator->layout.first_pixel[t] + (size_t)i;
             size_t to = (size_t)(tile->y0 + i / tile->width) * simulator->layout.width + (size_t)(tile->x0 + i % tile->width);

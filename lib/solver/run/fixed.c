@@ -1,4 +1,4 @@
-/* Fixed steps: several are rendered in one launch, at each step's end every tile that moves, and are then taken one by one as
+/* Fixed steps: several are rendered in one launch, at each step's end every unit that moves, and are then taken one by one as
  * samples of the whole image. How many steps a launch has changes the time, never the events. Also the first sample of any
  * run. */
 #include "solver/td_simulator.h"
@@ -9,13 +9,13 @@
  * limits could make a batch alternate between two sizes. */
 static const double too_many_culled = 0.5, few_culled = 0.3;
 
-/* Copies one rendered tile to its place in a sample. */
-static void store_tile(const tides_simulator *s, int t, const double *planes, const td_sample *sample) {
-    size_t first = s->layout.first_pixel[t], bytes = (size_t)s->layout.tile[t].count * sizeof(double);
-    td_unpack_tile(&s->layout.tile[t], planes, sample->plane[TD_PLANE_S] + first, sample->plane[TD_PLANE_S_DOT] + first);
+/* Copies one rendered unit to its place in a sample. */
+static void store_unit(const tides_simulator *s, int t, const double *planes, const td_sample *sample) {
+    size_t first = s->layout.first_pixel[t], bytes = (size_t)s->layout.unit[t].count * sizeof(double);
+    td_unpack_tile(&s->layout.unit[t], planes, sample->plane[TD_PLANE_S] + first, sample->plane[TD_PLANE_S_DOT] + first);
     if (s->given.sample_planes == TD_PLANES_SIGNAL) return;
     double unpacked[TD_PLANES_ALL * TD_TILE_PIXELS];
-    td_unpack_diagnostics(&s->layout.tile[t], planes, TD_TILE_PIXELS, unpacked);
+    td_unpack_diagnostics(&s->layout.unit[t], planes, TD_TILE_PIXELS, unpacked);
     for (int k = TD_PLANES_SIGNAL; k < TD_PLANES_ALL; k++)
         memcpy(sample->plane[k] + first, unpacked + k * TD_TILE_PIXELS, bytes);
 }
@@ -30,7 +30,7 @@ tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) 
     return td_launch_render(s, 0, s->launch.count, TD_SIDE_ENDS, td_fixed_outputs(s), error);
 }
 
-/* A rendered step, and the tiles to be taken from it. */
+/* A rendered step, and the units to be taken from it. */
 typedef struct taken {
     int step;
     const td_sample *sample;
@@ -42,22 +42,22 @@ static tides_status take_some(const tides_simulator *s, td_portion *portion, int
     const size_t before = (size_t)to->step * (size_t)s->moving.count;
     (void)portion, (void)error;
     for (int i = first; i < end; i++)
-        store_tile(s, s->moving.list[i], td_launch_planes(&s->launch, before + (size_t)i), to->sample);
+        store_unit(s, s->moving.list[i], td_launch_planes(&s->launch, before + (size_t)i), to->sample);
     return TIDES_OK;
 }
 
 tides_status td_fixed_take(tides_simulator *s, int k, const td_sample *sample, tides_error *error) {
     enum { FEWEST = 32 };
     const taken to = {k, sample};
-    const size_t bytes = s->layout.first_pixel[s->layout.tiles] * sizeof(double);
-    if (s->moving.count < s->layout.tiles)
+    const size_t bytes = s->layout.first_pixel[s->layout.units] * sizeof(double);
+    if (s->moving.count < s->layout.units)
         for (int p = 0; p < s->given.sample_planes; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
     return td_share_out(s, s->moving.count, FEWEST, take_some, &to, error);
 }
 
 /* Replaces slopes of S by differences, as a renderer without derivatives would have them. */
 void td_difference_slopes(tides_simulator *s, double h) {
-    for (size_t i = 0; i < s->layout.first_pixel[s->layout.tiles]; i++) {
+    for (size_t i = 0; i < s->layout.first_pixel[s->layout.units]; i++) {
         double slope = (s->next.plane[TD_PLANE_S][i] - s->now.plane[TD_PLANE_S][i]) / h;
         s->next.plane[TD_PLANE_S_DOT][i] = slope;
         if (s->step == 0) s->now.plane[TD_PLANE_S_DOT][i] = slope;
@@ -88,13 +88,13 @@ void td_fixed_adapt(tides_simulator *s, const tides_render_stats *before) {
 
 static void store_first(const tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
     (void)user;
-    store_tile(s, ask->unit, planes, &s->now);
+    store_unit(s, ask->unit, planes, &s->now);
 }
 
 static tides_status render_first(tides_simulator *s, tides_error *error) {
     tides_status status = TIDES_OK;
     td_launch_clear(&s->launch);
-    for (int t = 0; t < s->layout.tiles && status == TIDES_OK; t++) status = td_launch_add(&s->launch, t, 0, 0, error);
+    for (int t = 0; t < s->layout.units && status == TIDES_OK; t++) status = td_launch_add(&s->launch, t, 0, 0, error);
     return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_BEGINS, td_fixed_outputs(s), store_first, NULL, error) : status;
 }
 

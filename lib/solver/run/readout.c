@@ -20,7 +20,7 @@ static const double full_rate = 100, full_contributors = 64;
 
 /* Makes samples keep the planes of diagnostics from now on: the activity is computed from them. */
 static tides_status keep_all(tides_simulator *s, tides_error *error) {
-    size_t pixels = s->layout.first_pixel[s->layout.tiles];
+    size_t pixels = s->layout.first_pixel[s->layout.units];
     for (int p = TD_PLANES_SIGNAL; p < TD_PLANES_ALL; p++) {
         if (!s->now.plane[p]) s->now.plane[p] = td_alloc(pixels, sizeof(double), error);
         if (!s->next.plane[p]) s->next.plane[p] = td_alloc(pixels, sizeof(double), error);
@@ -96,9 +96,9 @@ void td_readout_release(td_run_readout *readout) {
 
 static double share(double value, double full) { return fmin(value / full, 1); }
 
-/* Adds one of the simulator's tiles to the sums of the arbiter's tiles. */
+/* Adds one of the simulator's units to the sums of the arbiter's tiles. */
 static void add_tile(const tides_simulator *s, int t, int moves) {
-    const td_tile *tile = &s->layout.tile[t];
+    const td_tile *tile = &s->layout.unit[t];
     const double threshold = 0.5 * (s->sensor.sensor.threshold_on + s->sensor.sensor.threshold_off);
     for (int32_t i = 0; i < tile->count; i++) {
         int32_t x = tile->x0 + i % tile->width, y = tile->y0 + i / tile->width;
@@ -111,12 +111,12 @@ static void add_tile(const tides_simulator *s, int t, int moves) {
     }
 }
 
-/* Computes readout->psi at the time reached. s->moving.list has the tiles that moved in the step. */
+/* Computes readout->psi at the time reached. s->moving.list has the units that moved in the step. */
 static void measure_activity(tides_simulator *s) {
     td_run_readout *readout = &s->readout;
     size_t tiles = (size_t)readout->arbiter->across * (size_t)readout->arbiter->down;
     memset(readout->sums, 0, tiles * sizeof *readout->sums);
-    for (int t = 0, moved = 0; t < s->layout.tiles; t++) {
+    for (int t = 0, moved = 0; t < s->layout.units; t++) {
         int moves = moved < s->moving.count && s->moving.list[moved] == t;
         moved += moves;
         add_tile(s, t, moves);

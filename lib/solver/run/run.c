@@ -1,12 +1,12 @@
 /* The run as a pipeline. Each pass, over one step of the grid (or several, where steps are fixed):
  *
- *   sweep      which tiles can change, and what each may see                  td_sweep (sweep.c; renderer)
- *   render     tiles at times: S and S_dot                                   td_fixed_render; td_refine_begin, td_refine_level
+ *   sweep      which units can change, and what tiles may see                 td_sweep (sweep.c; renderer)
+ *   render     units at times: S and S_dot                                   td_fixed_render; td_refine_begin, td_refine_level
  *   estimate   how far each step may be off                                  td_control_judge, _steps (control.c, in steps)
  *   refine     those that are too coarse are cut in two, and rendered         td_window_take, td_refine_level (refine.c)
  *   look up    by default: events on the image itself, pixel by pixel         td_settle -> td_solve_steps (solve.c, in lookup)
- *   compare    else each tile over each step: events of the model             td_settle -> td_compare_tile (tile_step.c)
- *   at rest    tiles in which nothing moves, where they may fire              td_solve_still, td_compare_still
+ *   compare    else each unit over each step: events of the model             td_settle -> td_compare_unit (unit_step.c)
+ *   at rest    units in which nothing moves, where they may fire              td_solve_still, td_compare_still
  *   read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
  *   emit       the events, sorted, through filters to the sink as a packet   emit
  *
@@ -25,7 +25,7 @@
 
 /* -- one step of the grid -------------------------------------------------------------------------------------------------- */
 
-/* The comparator over a step of some of the tiles that move. */
+/* The comparator over a step of some of the units that move. */
 static tides_status compare_some(const tides_simulator *s, td_portion *portion, int first, int end, const void *step,
                                  tides_error *error) {
     tides_status status = TIDES_OK;
@@ -36,20 +36,20 @@ static tides_status compare_some(const tides_simulator *s, td_portion *portion, 
             begin_planes[p] = s->now.plane[p] + s->layout.first_pixel[t];
             end_planes[p] = s->next.plane[p] + s->layout.first_pixel[t];
         }
-        const td_compared tile = {t, step, begin_planes, end_planes, NULL};
-        status = td_compare_tile(s, portion, &tile, error);
+        const td_compared unit = {t, step, begin_planes, end_planes, NULL};
+        status = td_compare_unit(s, portion, &unit, error);
     }
     return status;
 }
 
-/* The comparator over one step of every tile that moves, from s->now to s->next. */
-static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
+/* The comparator over one step of every unit that moves, from s->now to s->next. */
+static tides_status compare_units(tides_simulator *s, tides_error *error) {
     td_step step;
     double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     if (s->given.slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
     if (s->surround.surround.on) return td_surround_compare(s, start, stop, NULL, error);
     tides_status status = td_grid_step(&s->grid, start, stop, &step, error);
-    if (status == TIDES_OK) status = td_share_out(s, s->moving.count, TD_FEWEST_TILES, compare_some, &step, error);
+    if (status == TIDES_OK) status = td_share_out(s, s->moving.count, TD_FEWEST_UNITS, compare_some, &step, error);
     return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
 }
 
@@ -96,7 +96,7 @@ static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error)
     const double begun = td_now();
     const size_t first = s->done.work.events.count;
     tides_status status = td_fixed_take(s, k, &s->next, error);
-    if (status == TIDES_OK) status = compare_tiles(s, error);
+    if (status == TIDES_OK) status = compare_units(s, error);
     if (status == TIDES_OK) status = sort_from(s, first, error);
     if (status == TIDES_OK) {
         td_turn_samples(s);
@@ -161,7 +161,7 @@ static tides_status refine(tides_simulator *s, double start, double stop, tides_
     return status;
 }
 
-/* Fires events in tiles where nothing moves, over the macro step as a whole. */
+/* Fires events in units where nothing moves, over the macro step as a whole. */
 static tides_status compare_still(tides_simulator *s, double start, double stop, tides_error *error) {
     td_step whole;
     double begun = td_now();
@@ -181,7 +181,7 @@ static tides_status measure(tides_simulator *s, tides_error *error) {
     return status;
 }
 
-/* The comparator over one macro step, refined tile by tile. */
+/* The comparator over one macro step, refined unit by unit. */
 static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     s->done.solve.sampled_count = s->done.solve.fired = 0; /* of the step before, or of a stopped one */

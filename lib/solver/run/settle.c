@@ -23,24 +23,24 @@ static tides_status compare_step(const tides_simulator *s, td_portion *portion, 
     const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
     td_refine_planes(s, refined, begin_planes, end_planes);
     td_step step;
-    const td_compared tile = {refined->tile, &step, begin_planes, end_planes, NULL};
+    const td_compared unit = {refined->unit, &step, begin_planes, end_planes, NULL};
     const size_t first = portion->work.events.count;
     tides_status status = td_grid_step(&s->grid, td_refine_time(r, r->start, r->stop, refined->from),
                                        td_refine_time(r, r->start, r->stop, refined->to), &step, error);
-    if (status == TIDES_OK) status = td_compare_tile(s, portion, &tile, error);
-    if (status == TIDES_OK) td_time_events(s, portion, refined, &tile, first);
+    if (status == TIDES_OK) status = td_compare_unit(s, portion, &unit, error);
+    if (status == TIDES_OK) td_time_events(s, portion, refined, &unit, first);
     return status;
 }
 
-/* The sample becomes the tile's state at the time reached. */
+/* The sample becomes the unit's state at the time reached. */
 static void reach(const tides_simulator *s, int t, int32_t index, const td_sample *to) {
     const double *reached = td_sample_at(&s->refine.samples, index);
-    size_t at = s->layout.first_pixel[t], bytes = (size_t)s->layout.tile[t].count * sizeof *reached;
+    size_t at = s->layout.first_pixel[t], bytes = (size_t)s->layout.unit[t].count * sizeof *reached;
     for (int p = 0; p < s->given.sample_planes; p++) memcpy(to->plane[p] + at, reached + p * s->refine.samples.pixels, bytes);
-    s->tile_risk[t] = *td_sample_risk(&s->refine.samples, index);
+    s->unit_risk[t] = *td_sample_risk(&s->refine.samples, index);
 }
 
-/* Gives back the first step of a tile's list, and its samples. */
+/* Gives back the first step of a unit's list, and its samples. */
 static void pass_head(td_refine *r, int t) {
     int32_t done = r->head[t], next = r->step[done].next;
     r->head[t] = next;
@@ -50,8 +50,8 @@ static void pass_head(td_refine *r, int t) {
     r->spare_step = done;
 }
 
-/* The accepted steps of a tile: compared here, unless look-ups have found their events already. */
-static tides_status settle_tile(const tides_simulator *s, td_portion *portion, int t, tides_error *error) {
+/* The accepted steps of a unit: compared here, unless look-ups have found their events already. */
+static tides_status settle_unit(const tides_simulator *s, td_portion *portion, int t, tides_error *error) {
     const td_refine *r = &s->refine;
     for (int32_t i = r->head[t]; i >= 0 && !r->step[i].open; i = r->step[i].next) {
         const td_refine_step *step = &r->step[i];
@@ -67,29 +67,29 @@ static tides_status settle_some(const tides_simulator *s, td_portion *portion, i
                                 tides_error *error) {
     tides_status status = TIDES_OK;
     (void)user;
-    for (int i = first; i < end && status == TIDES_OK; i++) status = settle_tile(s, portion, s->refine.unit[i], error);
+    for (int i = first; i < end && status == TIDES_OK; i++) status = settle_unit(s, portion, s->refine.unit[i], error);
     return status;
 }
 
 /* Units per portion at least, where events are there and only samples are moved. */
 enum { FEWEST_SOLVED = 256 };
 
-/* Settles tiles that have steps of their own. */
+/* Settles units that have steps of their own. */
 static tides_status settle_apart(tides_simulator *s, int early, tides_error *error) {
     td_refine *r = &s->refine;
-    tides_status status = td_share_out(s, r->units, s->solve.on ? FEWEST_SOLVED : TD_FEWEST_TILES, settle_some, NULL, error);
+    tides_status status = td_share_out(s, r->units, s->solve.on ? FEWEST_SOLVED : TD_FEWEST_UNITS, settle_some, NULL, error);
     for (int i = 0; i < r->units && early && status == TIDES_OK; i++)
         while (r->head[r->unit[i]] >= 0 && !r->step[r->head[r->unit[i]]].open) pass_head(r, r->unit[i]);
     return status;
 }
 
-/* Settles the first step of every tile, where all have their steps in common: the surround sees the whole image. */
+/* Settles the first step of every unit, where all have their steps in common: the surround sees the whole image. */
 static tides_status settle_common_step(tides_simulator *s, const int32_t *which, double start, double stop,
                                        tides_error *error) {
     td_refine *r = &s->refine;
     double from = td_refine_time(r, start, stop, r->step[which[0]].from),
            to = td_refine_time(r, start, stop, r->step[which[0]].to);
-    for (int t = 0; t < s->layout.tiles; t++) {
+    for (int t = 0; t < s->layout.units; t++) {
         reach(s, t, r->step[which[t]].end, &s->next);
         note_step(s, &s->done.steps, &r->step[which[t]]);
     }
@@ -101,12 +101,12 @@ static tides_status settle_common_step(tides_simulator *s, const int32_t *which,
 
 static tides_status settle_together(tides_simulator *s, double start, double stop, int early, tides_error *error) {
     td_refine *r = &s->refine;
-    int32_t *which = td_alloc((size_t)s->layout.tiles, sizeof *which, error);
+    int32_t *which = td_alloc((size_t)s->layout.units, sizeof *which, error);
     tides_status status = which ? TIDES_OK : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) memcpy(which, r->head, (size_t)s->layout.tiles * sizeof *which);
+    if (status == TIDES_OK) memcpy(which, r->head, (size_t)s->layout.units * sizeof *which);
     while (status == TIDES_OK && which[0] >= 0 && !r->step[which[0]].open) {
         status = settle_common_step(s, which, start, stop, error);
-        for (int t = 0; t < s->layout.tiles && status == TIDES_OK; t++) {
+        for (int t = 0; t < s->layout.units && status == TIDES_OK; t++) {
             which[t] = r->step[which[t]].next;
             if (early) pass_head(r, t);
         }
@@ -118,14 +118,14 @@ static tides_status settle_together(tides_simulator *s, double start, double sto
 /* Keeps the references that the macro step began with: steps that are judged after others have been compared need them. */
 static tides_status keep_references(tides_simulator *s, tides_error *error) {
     td_refine *r = &s->refine;
-    size_t pixels = s->layout.first_pixel[s->layout.tiles];
+    size_t pixels = s->layout.first_pixel[s->layout.units];
     if (r->early) return TIDES_OK;
     tides_status status = td_reserve((void **)&r->reference, &r->reference_capacity, pixels, sizeof *r->reference, error);
     if (status != TIDES_OK) return status;
     for (int i = 0; i < r->units; i++) {
         const size_t first = s->layout.first_pixel[r->unit[i]];
         memcpy(r->reference + first, s->sensor.pixels.reference + first,
-               (size_t)s->layout.tile[r->unit[i]].count * sizeof *r->reference);
+               (size_t)s->layout.unit[r->unit[i]].count * sizeof *r->reference);
     }
     r->early = 1;
     return TIDES_OK;

@@ -37,7 +37,7 @@ enum { TO_IMAGE, TO_TILES };
 
 /* Copies a tile's rows from the tiles' order to the image's, or back. */
 static void copy_rows(const tides_simulator *s, int t, int direction, double *in_image, double *in_tile) {
-    const td_tile *tile = &s->layout.tile[t];
+    const td_tile *tile = &s->layout.unit[t];
     const size_t row = (size_t)tile->width, apart = (size_t)s->layout.width;
     double *image = in_image + (size_t)tile->y0 * apart + (size_t)tile->x0;
     for (const double *end = in_tile + tile->count; in_tile < end; in_tile += row, image += apart) {
@@ -50,7 +50,7 @@ static void copy_rows(const tides_simulator *s, int t, int direction, double *in
 
 /* Copies the planes of all tiles. */
 static void rearrange(const tides_simulator *s, int direction, double *in_image, double *in_tiles) {
-    for (int t = 0; t < s->layout.tiles; t++) copy_rows(s, t, direction, in_image, in_tiles + s->layout.first_pixel[t]);
+    for (int t = 0; t < s->layout.units; t++) copy_rows(s, t, direction, in_image, in_tiles + s->layout.first_pixel[t]);
 }
 
 /* Stores S and the modes at the time reached. */
@@ -86,7 +86,7 @@ typedef struct tile_sample {
 
 /* Other planes are linear between s->now and s->next; `part` is the place in the step. */
 static void take_tile(const tides_simulator *s, int t, const td_surround_sample *from, double part, tile_sample *to) {
-    const td_tile *tile = &s->layout.tile[t];
+    const td_tile *tile = &s->layout.unit[t];
     copy_rows(s, t, TO_TILES, from->S, to->own[TD_PLANE_S]);
     copy_rows(s, t, TO_TILES, from->S_dot, to->own[TD_PLANE_S_DOT]);
     copy_rows(s, t, TO_TILES, from->p, to->p);
@@ -115,10 +115,10 @@ static tides_status compare_some(const tides_simulator *s, td_portion *portion, 
         take_tile(s, t, &at->sample[0], at->part[0], &begin);
         take_tile(s, t, &at->sample[1], at->part[1], &end);
         const td_signals light = {begin.p, begin.p_dot, end.p, end.p_dot};
-        const td_compared tile = {t, &at->step, begin.plane, end.plane, &light};
+        const td_compared unit = {t, &at->step, begin.plane, end.plane, &light};
         const size_t before = portion->work.events.count;
-        status = td_compare_tile(s, portion, &tile, error);
-        if (at->which && status == TIDES_OK) td_time_events(s, portion, &s->refine.step[at->which[t]], &tile, before);
+        status = td_compare_unit(s, portion, &unit, error);
+        if (at->which && status == TIDES_OK) td_time_events(s, portion, &s->refine.step[at->which[t]], &unit, before);
     }
     return status;
 }
@@ -136,7 +136,7 @@ tides_status td_surround_compare(tides_simulator *s, double start, double stop, 
     while (status == TIDES_OK && td_surround_next(&steps->surround, &part[0], &part[1], &sample[0], &sample[1])) {
         double from = start + (stop - start) * part[0], to = part[1] < 1 ? start + (stop - start) * part[1] : stop;
         status = td_grid_step(&s->grid, from, to, &at.step, error);
-        if (status == TIDES_OK) status = td_share_out(s, s->layout.tiles, TD_FEWEST_TILES, compare_some, &at, error);
+        if (status == TIDES_OK) status = td_share_out(s, s->layout.units, TD_FEWEST_UNITS, compare_some, &at, error);
     }
     if (status == TIDES_OK) note_reached(s, &sample[1]);
     return status;

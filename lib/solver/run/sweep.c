@@ -1,12 +1,12 @@
-/* The beginning of a step, fixed or refined: sweeps it, lists the tiles that can change in it, and sets their rates at a
+/* The beginning of a step, fixed or refined: sweeps it, lists the units that can change in it, and sets their rates at a
  * knot. */
 #include "solver/td_simulator.h"
 
-/* Lists the tiles that can change in the interval swept last; all tiles where they have their steps in common. */
+/* Lists the units that can change in the interval swept last; all units where they have their steps in common. */
 static void list_moving(tides_simulator *s) {
     int last = -1;
     s->moving.count = s->moving.tiles = 0;
-    for (int t = 0; t < s->layout.tiles; t++) {
+    for (int t = 0; t < s->layout.units; t++) {
         const int tile = td_units_tile(s, t);
         if (s->given.local && s->started && !td_units_moves(s, t)) continue;
         s->moving.list[s->moving.count++] = t;
@@ -15,14 +15,14 @@ static void list_moving(tides_simulator *s) {
     }
 }
 
-/* Stores S_dot of a tile. S itself is the same on both sides of a knot. */
+/* Stores S_dot of a unit. S itself is the same on both sides of a knot. */
 static void store_rate(const tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
     (void)user;
     double S[TD_TILE_PIXELS];
-    td_unpack_tile(&s->layout.tile[ask->unit], planes, S, s->now.plane[TD_PLANE_S_DOT] + s->layout.first_pixel[ask->unit]);
+    td_unpack_tile(&s->layout.unit[ask->unit], planes, S, s->now.plane[TD_PLANE_S_DOT] + s->layout.first_pixel[ask->unit]);
 }
 
-/* At a motion's knot rates may jump: S_dot of the moving tiles becomes the rate of the motion that begins there. */
+/* At a motion's knot rates may jump: S_dot of the moving units becomes the rate of the motion that begins there. */
 static tides_status turn_knot(tides_simulator *s, tides_error *error) {
     const double time = td_grid_time(s, s->step);
     if (!s->started || s->moving.count == 0 || !td_grid_is_knot(&s->grid, s->step)) return TIDES_OK;

@@ -45,7 +45,6 @@ static size_t bytes_of(const td_state_row *row) { return row->count * td_state_s
 static td_state table_of(tides_simulator *s) {
     td_state state = {.rows = 0};
     td_simulator_state(s, &state);
-    td_sensor_state(&s->sensor, &state);
     return state;
 }
 

@@ -5,8 +5,8 @@
  *   risk    the paper's score of mixed visibility, against the step's share of the macro step (paper, Eq. 13)
  *   travel  in both modes: a splat that could pass a pixel between two samples
  *
- * Each gives the factor by which the step exceeds its limit, and the largest decides. Without `local` a tile whose step is too
- * long cuts those of all tiles. refine.c makes the steps. */
+ * Each gives the factor by which the step exceeds its limit, and the largest decides. Without `local` a unit whose step is too
+ * long cuts those of all units. refine.c makes the steps. */
 #include "td_extremes.h"
 #include "solver/td_simulator.h"
 
@@ -23,11 +23,11 @@ static const double rounding_seen = 2, rounding_most = 50, falls = 0.5;
 
 static const double unseen = 1.000001;      /* excess of a step that hasn't been probed: any above 1 */
 static const double most_contributors = 64; /* splats under a pixel at which the risk's norm(c) is 1 */
-static const double least_share = 1.0 / 32; /* of the macro step, that a tile of risk 1 may take at once */
+static const double least_share = 1.0 / 32; /* of the macro step, that a unit of risk 1 may take at once */
 
-/* The largest risk score of a tile's pixels: w_b (1 - b) + w_c norm(c) + w_alpha norm(|alpha_dot|), clipped to [0, 1].
+/* The largest risk score of a unit's pixels: w_b (1 - b) + w_c norm(c) + w_alpha norm(|alpha_dot|), clipped to [0, 1].
  * norm(c) = c / 64, norm(|alpha_dot|) = the opacity that would change within the longest step, both at most 1. */
-double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double *planes) {
+double td_unit_risk(const tides_simulator *s, const td_tile *tile, const double *planes) {
     double most = 0;
     for (int y = 0, i = 0; i < tile->count; y++)
         for (int x = 0; x < tile->width; x++, i++) {
@@ -40,7 +40,7 @@ double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double 
     return td_lesser(most, 1);
 }
 
-/* kappa(r): the share of the macro step that a tile of risk r may take at once, from 1 at r = 0 to 1/32 at r = 1. */
+/* kappa(r): the share of the macro step that a unit of risk r may take at once, from 1 at r = 0 to 1/32 at r = 1. */
 static double step_factor(double risk) { return 1 / (1 + (1 / least_share - 1) * risk); }
 
 /* 1 where the last two cuts left the deviation unchanged. That of a kink falls with the step, on average to a half each
@@ -57,14 +57,14 @@ static double error_excess(const tides_simulator *s, td_refine_step *step, doubl
     const td_signals signals = {begin, begin + r->samples.pixels, end, end + r->samples.pixels};
     const double from = td_refine_time(r, start, stop, step->from),
                  *references = r->early ? r->reference : s->sensor.pixels.reference;
-    size_t first = s->layout.first_pixel[step->tile];
+    size_t first = s->layout.first_pixel[step->unit];
     /* With a surround each pixel's error affects all others, so that all pixels count. */
     const td_estimated judged = {td_refine_time(r, start, stop, step->to) - from,
                                  &signals,
                                  s->surround.surround.on ? NULL : references + first,
                                  step->probe < 0 ? NULL : td_sample_deviation(&r->samples, step->probe),
                                  rounding_seen * s->done.timing.rounding,
-                                 s->layout.tile[step->tile].count};
+                                 s->layout.unit[step->unit].count};
     td_estimate estimate = td_sensor_estimate(&s->sensor, &judged, first, step->cuts, from * 1e9);
     double threshold = td_sensor_least_threshold(&s->sensor.sensor);
     step->error = estimate.error / threshold;
@@ -81,7 +81,7 @@ void td_control_judge(const tides_simulator *s, td_refine_step *step, double sta
     const td_refine *r = &s->refine;
     double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
     int may_cut = td_refine_may_cut(r, step), controls = s->given.mode == TIDES_STEPPING_ERROR;
-    step->excess = share * td_units_travel(s, step->tile) / most_travel;
+    step->excess = share * td_units_travel(s, step->unit) / most_travel;
     if (controls) step->excess = td_greater(step->excess, error_excess(s, step, start, stop));
     if (controls && may_cut && step->probe < 0) step->excess = td_greater(step->excess, unseen);
     if (s->given.mode == TIDES_STEPPING_RISK) {
@@ -99,8 +99,8 @@ static int by_position(const void *a, const void *b) {
     return x < y ? -1 : x > y;
 }
 
-/* Joins the steps of all tiles: where one tile cuts, all do. */
-static tides_status join_tiles(td_refine *r, tides_error *error) {
+/* Joins the steps of all units: where one unit cuts, all do. */
+static tides_status join_units(td_refine *r, tides_error *error) {
     const size_t count = r->pending_count;
     uint32_t *wanted = td_alloc(count, sizeof *wanted, error);
     if (!wanted) return TIDES_NO_MEMORY;
@@ -124,7 +124,7 @@ tides_status td_control_steps(tides_simulator *s, tides_error *error) {
     r->pending_count = 0;
     for (size_t i = 0; i < r->fresh_count; i++)
         if (r->step[r->fresh[i]].open) r->pending[r->pending_count++] = r->fresh[i];
-    if (!s->given.local && r->pending_count > 0) status = join_tiles(r, error);
+    if (!s->given.local && r->pending_count > 0) status = join_units(r, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->open, &r->open_capacity, r->open_count + r->pending_count, sizeof *r->open, error);
     if (status != TIDES_OK) return status;

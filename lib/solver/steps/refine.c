@@ -38,10 +38,10 @@ static double shortest_step(const tides_simulator *s, double start, double stop)
 }
 
 /* Adds a job for a new sample to the level. */
-static tides_status add_job(tides_simulator *s, int tile, double time, tides_error *error) {
+static tides_status add_job(tides_simulator *s, int unit, double time, tides_error *error) {
     int32_t sample;
     tides_status status = td_samples_take(&s->refine.samples, &sample, error);
-    return status == TIDES_OK ? td_launch_add(&s->launch, tile, time, sample, error) : status;
+    return status == TIDES_OK ? td_launch_add(&s->launch, unit, time, sample, error) : status;
 }
 
 /* -- steps ----------------------------------------------------------------------------------------------------------------- */
@@ -68,7 +68,7 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
     r->spare_step = -1;
     r->early = 0;
     tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, (size_t)r->units, sizeof *r->fresh, error);
-    for (int t = 0; t < s->layout.tiles; t++) r->head[t] = -1;
+    for (int t = 0; t < s->layout.units; t++) r->head[t] = -1;
     for (int i = 0; i < r->units && status == TIDES_OK; i++) {
         int t = r->unit[i];
         int32_t begin, step;
@@ -78,11 +78,11 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
         double *sample = td_sample_at(&r->samples, begin);
         for (int k = 0; k < r->samples.planes; k++)
             memcpy(sample + k * r->samples.pixels, s->now.plane[k] + s->layout.first_pixel[t],
-                   (size_t)s->layout.tile[t].count * sizeof *sample);
-        *td_sample_risk(&r->samples, begin) = s->tile_risk[t];
-        td_sensor_begin_estimates(&s->sensor, s->layout.first_pixel[t], s->layout.tile[t].count);
+                   (size_t)s->layout.unit[t].count * sizeof *sample);
+        *td_sample_risk(&r->samples, begin) = s->unit_risk[t];
+        td_sensor_begin_estimates(&s->sensor, s->layout.first_pixel[t], s->layout.unit[t].count);
         r->step[step] =
-            (td_refine_step){.to = (uint32_t)1 << r->depth, .begin = begin, .probe = -1, .next = -1, .tile = t, .open = 1};
+            (td_refine_step){.to = (uint32_t)1 << r->depth, .begin = begin, .probe = -1, .next = -1, .unit = t, .open = 1};
         r->head[t] = step;
         r->fresh[r->fresh_count++] = step;
     }
@@ -106,8 +106,8 @@ static uint32_t place_of(const tides_simulator *s, const td_refine_step *step) {
     return step->swap ? step->swap : td_probe_place(s->refine.macro, step->from, step->to);
 }
 
-/* With a surround all tiles are cut where one needs it. A tile whose own cubic is good enough isn't rendered: its values there
- * are the cubic's, it follows. Its error may be this share of the limits only, because errors of all tiles meet in the
+/* With a surround all units are cut where one needs it. A unit whose own cubic is good enough isn't rendered: its values there
+ * are the cubic's, it follows. Its error may be this share of the limits only, because errors of all units meet in the
  * surround. A choice: with a quarter the demo's p95 rises from 1.0 to 1.2 us, for a sixth of the renders. A step with a swap is
  * rendered: its cubic can't know the swap. */
 static const double good_enough = 0.25;
@@ -137,9 +137,9 @@ static void note_deviations(const tides_simulator *s, const td_refine *r, double
     const td_signals ends = {begin, begin + r->samples.pixels, end, end + r->samples.pixels};
     double from = td_refine_time(r, start, stop, a->from), h = td_refine_time(r, start, stop, a->to) - from;
     double theta = (td_refine_time(r, start, stop, at) - from) / h;
-    td_probe_deviation(h, theta, &ends, inside, inside + r->samples.pixels, s->layout.tile[a->tile].count,
+    td_probe_deviation(h, theta, &ends, inside, inside + r->samples.pixels, s->layout.unit[a->unit].count,
                        td_sample_deviation(&r->samples, sample));
-    note_falls(r, a->probe, sample, s->layout.tile[a->tile].count);
+    note_falls(r, a->probe, sample, s->layout.unit[a->unit].count);
 }
 
 /* Copies a step's deviations to its parts, where the cut has the cubic's own values and no new sample. */
@@ -153,9 +153,9 @@ static void cut(const tides_simulator *s, const td_refine *r, double start, doub
                 uint32_t at, int32_t sample) {
     td_refine_step *a = &r->step[left], *b = &r->step[right];
     if (a->swap) {
-        keep_deviations(r, a->probe, sample, s->layout.tile[a->tile].count);
+        keep_deviations(r, a->probe, sample, s->layout.unit[a->unit].count);
     } else if (follows(s, a)) {
-        hand_down(r, a->probe, sample, s->layout.tile[a->tile].count);
+        hand_down(r, a->probe, sample, s->layout.unit[a->unit].count);
     } else {
         note_deviations(s, r, start, stop, a, at, sample);
         a->past[1] = a->past[0];
@@ -203,12 +203,12 @@ static void cut_pending(const tides_simulator *s, size_t number, int32_t sample)
 /* Copies one rendered unit to its sample's rows, and notes its risk. */
 static void store_sample(const tides_simulator *s, const td_ask *ask, const double *planes) {
     const td_samples *samples = &s->refine.samples;
-    const td_tile *unit = &s->layout.tile[ask->unit];
+    const td_tile *unit = &s->layout.unit[ask->unit];
     double *sample = td_sample_at(samples, ask->sample);
     const size_t apart = (size_t)samples->pixels;
     td_unpack_tile(unit, planes, sample, sample + apart);
     if (samples->planes == TD_PLANES_ALL) td_unpack_diagnostics(unit, planes, apart, sample);
-    *td_sample_risk(samples, ask->sample) = s->given.outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, unit, planes);
+    *td_sample_risk(samples, ask->sample) = s->given.outputs == TD_OUT_SIGNAL ? 0 : td_unit_risk(s, unit, planes);
 }
 
 /* Stores a sample and reads it at once: the samples of a level don't fit in the cache. */
@@ -274,7 +274,7 @@ static tides_status add_cuts(tides_simulator *s, td_refine *r, size_t count, dou
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         const td_refine_step *step = &r->step[r->pending[i]];
         const uint32_t at = place_of(s, step);
-        status = add_job(s, step->tile, td_refine_time(r, start, stop, at), error);
+        status = add_job(s, step->unit, td_refine_time(r, start, stop, at), error);
     }
     return status;
 }
@@ -295,7 +295,7 @@ static tides_status first_level(tides_simulator *s, td_refine *r, double start, 
     int looks = s->given.mode == TIDES_STEPPING_ERROR && td_refine_may_cut(r, &r->step[r->fresh[0]]);
     size_t count = r->fresh_count;
     tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, count, sizeof *r->pending, error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = add_job(s, r->step[r->fresh[i]].tile, stop, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = add_job(s, r->step[r->fresh[i]].unit, stop, error);
     if (status != TIDES_OK) return status;
     memcpy(r->pending, r->fresh, count * sizeof *r->fresh);
     for (size_t i = 0; i < count; i++) r->step[r->fresh[i]].end = s->launch.ask[i].sample;

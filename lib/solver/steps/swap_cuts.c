@@ -15,7 +15,7 @@ static const double least_share = 0.05, share_of_tolerance = 0.5;
 static double least_light(const tides_simulator *s, int32_t unit) {
     const double *S = s->now.plane[TD_PLANE_S] + s->layout.first_pixel[unit];
     double least = S[0];
-    for (int i = 1; i < s->layout.tile[unit].count; i++) least = td_lesser(least, S[i]);
+    for (int i = 1; i < s->layout.unit[unit].count; i++) least = td_lesser(least, S[i]);
     return td_exp(least);
 }
 
@@ -67,11 +67,11 @@ uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, in
                .best = -1};
     for (int block = 0; block < td_units_blocks(s); block++) {
         int count;
-        const td_swap *swap = td_units_swaps(s, step->tile, block, &count);
+        const td_swap *swap = td_units_swaps(s, step->unit, block, &count);
         if (count > 0 && of.light < 0)
             of.light = td_greater(least_share, share_of_tolerance * s->given.tolerance) *
                        td_sensor_least_threshold(&s->sensor.sensor) *
-                       td_renderer_swap_scale(s->renderer, least_light(s, step->tile));
+                       td_renderer_swap_scale(s->renderer, least_light(s, step->unit));
         if (count > 0) find_nearest(swap, count, &of);
     }
     *begins = of.begins;
@@ -82,14 +82,14 @@ uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, in
 
 /* The block of a unit that contains one of its pixels. */
 static int block_of(const tides_simulator *s, const td_refine_step *step, int32_t local) {
-    const td_tile *unit = &s->layout.tile[step->tile];
+    const td_tile *unit = &s->layout.unit[step->unit];
     const int across = TD_TILE / TD_BLOCK, x = local % unit->width / TD_BLOCK, y = local / unit->width / TD_BLOCK;
     return td_units_blocks(s) > 1 ? y * across + x : 0;
 }
 
 /* The swaps of the block that contains a pixel of a unit. */
 static const td_swap *swaps_of(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
-    return td_units_swaps(s, step->tile, block_of(s, step, local), count);
+    return td_units_swaps(s, step->unit, block_of(s, step, local), count);
 }
 
 const td_swap *td_solve_swaps(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
@@ -131,7 +131,7 @@ double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, in
 void td_solve_widen_swapped(const tides_simulator *s, const td_refine_step *step, const td_signals *signals, double *widen) {
     double light[TD_TILE_BLOCKS];
     for (int k = 0; k < TD_TILE_BLOCKS; k++) light[k] = -1; /* not known yet */
-    for (int32_t i = 0; i < s->layout.tile[step->tile].count; i++) {
+    for (int32_t i = 0; i < s->layout.unit[step->unit].count; i++) {
         double *own = &light[block_of(s, step, i)];
         if (*own < 0) *own = unseen_light(s, step, i);
         widen[i] += moved_by(s, *own, td_lesser(signals->S0[i], signals->S1[i]));

@@ -12,18 +12,18 @@ static double smaller(double a, double b) { return a < b ? a : b; }
 static void add_unit(tides_simulator *s, int x0, int y0, int side) {
     if (x0 >= s->layout.width || y0 >= s->layout.height) return;
     const int width = (int)smaller(side, s->layout.width - x0), height = (int)smaller(side, s->layout.height - y0);
-    s->layout.tile[s->layout.tiles] = (td_tile){x0, y0, width, width * height};
-    s->layout.first_pixel[s->layout.tiles + 1] = s->layout.first_pixel[s->layout.tiles] + (size_t)(width * height);
-    s->layout.tiles++;
+    s->layout.unit[s->layout.units] = (td_tile){x0, y0, width, width * height};
+    s->layout.first_pixel[s->layout.units + 1] = s->layout.first_pixel[s->layout.units] + (size_t)(width * height);
+    s->layout.units++;
 }
 
 tides_status td_units_lay(tides_simulator *s, tides_error *error) {
     const int blocks = s->given.unit == TIDES_UNIT_BLOCK, side = blocks ? TD_BLOCK : TD_TILE,
               each = blocks ? TD_TILE_BLOCKS : 1;
     const size_t most = (size_t)s->layout.image_tiles * (size_t)each;
-    s->layout.tile = td_alloc(most, sizeof *s->layout.tile, error);
+    s->layout.unit = td_alloc(most, sizeof *s->layout.unit, error);
     s->layout.first_pixel = td_alloc(most + 1, sizeof *s->layout.first_pixel, error);
-    if (!s->layout.tile || !s->layout.first_pixel) return TIDES_NO_MEMORY;
+    if (!s->layout.unit || !s->layout.first_pixel) return TIDES_NO_MEMORY;
     if (blocks) td_renderer_by_blocks(s->renderer);
     const int across = td_renderer_tiles_across(s->renderer);
     for (int t = 0; t < s->layout.image_tiles; t++)
@@ -33,13 +33,13 @@ tides_status td_units_lay(tides_simulator *s, tides_error *error) {
 }
 
 int32_t td_units_tile(const tides_simulator *s, int32_t unit) {
-    const td_tile *at = &s->layout.tile[unit];
+    const td_tile *at = &s->layout.unit[unit];
     return at->y0 / TD_TILE * td_renderer_tiles_across(s->renderer) + at->x0 / TD_TILE;
 }
 
 /* The number of a unit within its tile, row by row. */
 static int block_of(const tides_simulator *s, int32_t unit) {
-    const td_tile *at = &s->layout.tile[unit];
+    const td_tile *at = &s->layout.unit[unit];
     return at->y0 % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + at->x0 % TD_TILE / TD_BLOCK;
 }
 

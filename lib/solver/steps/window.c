@@ -3,16 +3,16 @@
 
 #include <stdlib.h>
 
-/* An open step, its start and its tile. */
+/* An open step, its start and its unit. */
 typedef struct place {
     uint32_t from;
-    int32_t tile, step;
+    int32_t unit, step;
 } place;
 
 static int by_place(const void *a, const void *b) {
     const place *x = a, *y = b;
     if (x->from != y->from) return x->from < y->from ? -1 : 1;
-    return x->tile < y->tile ? -1 : x->tile > y->tile;
+    return x->unit < y->unit ? -1 : x->unit > y->unit;
 }
 
 void td_refine_bound(tides_simulator *s) {
@@ -48,7 +48,7 @@ static size_t room(const tides_simulator *s, uint32_t longest) {
     return left > least ? left : least;
 }
 
-/* 1 for steps that can't wait. Without `local` all tiles are cut at once. With some sensors the first cuts of all tiles are
+/* 1 for steps that can't wait. Without `local` all units are cut at once. With some sensors the first cuts of all units are
  * judged before others, which use the errors found there. */
 static int must_take(const tides_simulator *s, const td_refine_step *step, const td_refine_step *last) {
     return (!s->given.local && step->from == last->from) || td_sensor_estimates_first(&s->sensor, step->cuts);
@@ -60,7 +60,7 @@ static tides_status take_earliest(const tides_simulator *s, td_refine *r, tides_
     uint32_t longest = 0;
     for (size_t i = 0; i < r->open_count; i++) {
         const td_refine_step *step = &r->step[r->open[i]];
-        places[i] = (place){step->from, step->tile, r->open[i]};
+        places[i] = (place){step->from, step->unit, r->open[i]};
         longest = step->to - step->from > longest ? step->to - step->from : longest;
     }
     qsort(places, r->open_count, sizeof *places, by_place);

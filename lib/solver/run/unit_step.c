@@ -1,4 +1,4 @@
-/* A step of one tile: its signals go to the sensor, which appends events. Also the values that pixels' comparators see at the
+/* A step of one unit: its signals go to the sensor, which appends events. Also the values that pixels' comparators see at the
  * time reached. */
 #include "solver/td_simulator.h"
 
@@ -17,7 +17,7 @@ static tides_status fail_nonfinite(const tides_simulator *s, int t, const td_ste
     return td_fail(error, TIDES_BAD_ARGUMENT,
                    "the signal of %llu pixels of the tile at (%d, %d) isn't finite at %.15g s, although the image is: the "
                    "front end's parameters are beyond what can be computed with",
-                   (unsigned long long)pixels, (int)s->layout.tile[t].x0, (int)s->layout.tile[t].y0,
+                   (unsigned long long)pixels, (int)s->layout.unit[t].x0, (int)s->layout.unit[t].y0,
                    1e-9 * (double)step->start_ns);
 }
 
@@ -25,18 +25,18 @@ static td_signals signals_of(const td_compared *at) {
     return (td_signals){at->begin[TD_PLANE_S], at->begin[TD_PLANE_S_DOT], at->end[TD_PLANE_S], at->end[TD_PLANE_S_DOT]};
 }
 
-tides_status td_compare_tile(const tides_simulator *s, td_portion *portion, const td_compared *at, tides_error *error) {
+tides_status td_compare_unit(const tides_simulator *s, td_portion *portion, const td_compared *at, tides_error *error) {
     const uint64_t before = portion->work.counts.nonfinite;
     const td_signals signals = signals_of(at);
     td_seen seen = {.signals = &signals, .light = at->light};
     if (s->sensor.masks) seen.coverage = (td_coverage){at->begin[TD_PLANE_ALPHA], at->end[TD_PLANE_ALPHA]};
-    tides_status status = td_sensor_step(&s->sensor, at->step, &s->layout.tile[at->tile], s->layout.first_pixel[at->tile],
+    tides_status status = td_sensor_step(&s->sensor, at->step, &s->layout.unit[at->unit], s->layout.first_pixel[at->unit],
                                          &seen, &portion->work, error);
     if (status != TIDES_OK || portion->work.counts.nonfinite == before) return status;
-    return fail_nonfinite(s, at->tile, at->step, portion->work.counts.nonfinite - before, error);
+    return fail_nonfinite(s, at->unit, at->step, portion->work.counts.nonfinite - before, error);
 }
 
-/* The number of moving tiles before tile t; their list is in ascending order. */
+/* The number of moving units before unit t; their list is in ascending order. */
 static int moving_before(const td_moving *moving, int t) {
     int low = 0, high = moving->count;
     while (low < high) {
@@ -61,8 +61,8 @@ static tides_status compare_some_still(const tides_simulator *s, td_portion *por
         const double *plane[TD_PLANES_ALL];
         for (int k = 0; k < s->given.sample_planes; k++) plane[k] = s->now.plane[k] + s->layout.first_pixel[t];
         plane[TD_PLANE_S_DOT] = no_rate;
-        const td_compared tile = {t, step, plane, plane, NULL};
-        tides_status status = td_compare_tile(s, portion, &tile, error);
+        const td_compared unit = {t, step, plane, plane, NULL};
+        tides_status status = td_compare_unit(s, portion, &unit, error);
         if (status != TIDES_OK) return status;
     }
     return TIDES_OK;
@@ -70,7 +70,7 @@ static tides_status compare_some_still(const tides_simulator *s, td_portion *por
 
 tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_error *error) {
     if (!s->sensor.active_at_rest) return TIDES_OK;
-    return td_share_out(s, s->layout.tiles, TD_FEWEST_TILES, compare_some_still, step, error);
+    return td_share_out(s, s->layout.units, TD_FEWEST_UNITS, compare_some_still, step, error);
 }
 
 /* Where a hold takes a new reference from the signal after each event, an error of the event's time becomes an error of the
@@ -88,7 +88,7 @@ void td_time_events(const tides_simulator *s, td_portion *portion, const td_refi
     const td_samples *samples = &s->refine.samples;
     const int holds = td_sensor_holds(&s->sensor);
     td_timed timed = {.step = compared->step,
-                      .tile = &s->layout.tile[refined->tile],
+                      .tile = &s->layout.unit[refined->unit],
                       .signals = &signals,
                       .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
                       .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
@@ -97,11 +97,11 @@ void td_time_events(const tides_simulator *s, td_portion *portion, const td_refi
                                                          : hold_adds,
                       .held = holds ? s->sensor.refractory_ns / compared->step->length_ns : 0,
                       .is_last = td_refine_ends_run(s, refined),
-                      .levels = td_sensor_levels(&s->sensor, compared->step, s->layout.first_pixel[refined->tile]),
+                      .levels = td_sensor_levels(&s->sensor, compared->step, s->layout.first_pixel[refined->unit]),
                       .frontend = &s->sensor.frontend,
                       .log_eps = s->sensor.log_eps,
                       .filter_error =
-                          s->sensor.filtered.error ? s->sensor.filtered.error + s->layout.first_pixel[refined->tile] : NULL,
+                          s->sensor.filtered.error ? s->sensor.filtered.error + s->layout.first_pixel[refined->unit] : NULL,
                       .events = events->count > first ? events->events + first : NULL,
                       .count = events->count - first};
     td_timing_add(&portion->timing, &timed);
