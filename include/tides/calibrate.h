@@ -108,7 +108,7 @@ typedef struct tides_calibration {
 
 /* Measures the sensor of `recording`, whose light is that of the session's scene and path, or of its frames. TIDES_BAD_ARGUMENT
  * where the two have no time in common, or sizes differ. Other mismatches are reported in `refused` and `notes`. Takes 1 GB at
- * most; renders the scene some 700 times a second of the stretch. */
+ * most; renders the scene 2000 to 8000 times a second of the stretch. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_calibrate(const char *recording, tides_session *session,
                                                         const tides_calibrate_options *options, tides_progress progress,
                                                         void *user, tides_calibration *found, tides_error *error);

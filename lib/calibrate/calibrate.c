@@ -1,7 +1,7 @@
 /* Measures a sensor from its recording, step by step:
  *
  *   recording.c, bursts.c   the stretch's events by pixel; those of frames' readout are marked
- *   light.c                 Y of pixels with events, sampled so that lines between samples are within 0.008 log units
+ *   light.c                 Y of pixels with events, sampled so that lines between samples are within 0.004 log units
  *   pairs.c, changes.c      by how much the low-passed logarithm moved from event to event
  *   fit.c                   the front end by which these changes agree best
  *   spread.c, noise.c       mismatch, transitions, hot and dead pixels; leak and noise of pixels at rest
