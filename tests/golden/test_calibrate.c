@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "tests/support/opencl.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/shared.h"
 #include "tides.h"
@@ -32,6 +33,7 @@ static void a_real_sensor_is_what_others_measured(void **state) {
     if (shared_path(run, sizeof run, "data/real/slider_depth/run.json") ||
         shared_path(events, sizeof events, "data/events/ecd_slider_depth_davis240_50k.txt"))
         skip();
+    skip_without_opencl();
     scene_expect_ok(tides_session_load(run, NULL, 0, NULL, &session, &error), &error);
     tides_calibrate_options_defaults(&options);
     scene_expect_ok(tides_calibrate(events, session, &options, NULL, NULL, &found, &error), &error);
