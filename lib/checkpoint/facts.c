@@ -130,6 +130,7 @@ tides_status td_facts_gather(const tides_simulator *s, td_facts *facts, tides_er
     ADD_KEYS(facts, &s->sensor.sensor, sensor);
     add_checksum(facts, "sensor's seed or labels", td_hash_words(0, &s->sensor.sensor, sizeof s->sensor.sensor));
     if (s->sensor.maps_checksum) add_checksum(facts, "sensor.maps", s->sensor.maps_checksum);
+    if (s->sensor.kick.checksum) add_checksum(facts, "sensor.kick_times", s->sensor.kick.checksum);
     ADD_KEYS(facts, &s->readout.params, readout);
     ADD_KEYS(facts, &s->filters.params, filters);
     add_checksum(facts, "scene", scene);
