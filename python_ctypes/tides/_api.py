@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 14
+TIDES_NUMERICS = 15
 TIDES_CHECKPOINT_S = 30
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
@@ -1490,8 +1490,8 @@ class tides_sensor(Structure):
     int32_t initial; /* TIDES_INITIAL_* */
     /* A file with values of single pixels, which replace drawn ones (nullable; the caller's). It has arrays of the image's
     * height by width, in an .npz, a structured .npy, or HDF5. Their names are threshold_on, threshold_off [log units], leak
-    * [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1]. Any may be missing, and NaN means unknown. It is read when
-    * pixels are made. */
+    * [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1], noise_size [of additive noise, 1: as noise_rms or noise_law
+    * say]. Any may be missing, and NaN means unknown. It is read when pixels are made. */
     const char *maps;
     /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, after all
     * filters, and decays. Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz or as kick_times lists, reads row y
