@@ -92,7 +92,7 @@ static tides_status keep_others(const bias_job *job, const td_biases *biases, in
                 : TIDES_OK;
 }
 
-/* -- filters of Metavision's settings ----------------------------------------------------------------------------------------- */
+/* -- filters of Metavision's settings -------------------------------------------------------------------------------------- */
 
 /* A field of a state that is on, and its key: a number times `times`, or one of `words`, "theirs=ours" with | between. */
 typedef struct filter_field {
