@@ -22,6 +22,7 @@ typedef struct bench_scene {
     tides_image_params image;
     tides_sensor sensor;
     tides_readout readout;  /* the default one, off */
+    tides_filters filters;  /* likewise */
     double start, stop;     /* [s] */
     double macro_step_s;    /* greatest step of controlled stepping */
     double truth_step_s;    /* greatest step of the exact stream's first level */

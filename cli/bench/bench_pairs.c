@@ -19,6 +19,7 @@ static tides_status set_case(const bench_case *of, bench_scene *scene, int32_t *
     tides_run_get(run, &values);
     scene->sensor = values.sensor;
     scene->readout = values.readout;
+    scene->filters = values.filters;
     *rules = values.image.rules;
     tides_run_destroy(run);
     return TIDES_OK;

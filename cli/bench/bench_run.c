@@ -84,6 +84,7 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
         tides_simulator_create(b->device, scene->scene, scene->camera, &scene->intrinsics, &image, sensor, stepping,
                                scene->start, scene->stop, cli_progress_step, &b->progress, &simulator, error);
     if (status == TIDES_OK) status = tides_simulator_readout(simulator, &scene->readout, error);
+    if (status == TIDES_OK) status = tides_simulator_filters(simulator, &scene->filters, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(simulator);
         return status;

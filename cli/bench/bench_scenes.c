@@ -217,6 +217,7 @@ static void lay_out(bench_scene *s, const recipe *r, int32_t quick) {
     s->sensor.threshold_on = s->sensor.threshold_off = 0.2;
     s->sensor.max_events_per_step = 64;
     tides_readout_defaults(&s->readout);
+    tides_filters_defaults(&s->filters);
 }
 
 void bench_lay_out(bench_scene *scene, const char *name, const char *sentence) {

@@ -11,13 +11,27 @@
 #define LENGTH_QUICK_S 0.003
 #define LOG_EPS 0.01 /* that of the demo's run */
 
-/* The sensors. Noise and surround have the sizes of bench blocks. */
+/* The sensors. Presets have the readout of their chips, and a DAVIS the filter that libcaer turns on by default. Noise and
+ * surround have the sizes of bench blocks. */
+#define WITH_READOUT(name, ...)                                                        \
+    {                                                                                  \
+        name, "preset", { "sensor.preset=" name, "readout.enabled=true", __VA_ARGS__ } \
+    }
+#define DAVIS(name) WITH_READOUT(name, "filters.background_s=0.002")
 static const bench_case sensors[] = {
     {"ideal", "preset", {"sensor.preset=ideal"}},
-    {"gen4", "preset", {"sensor.preset=gen4"}},
-    {"imx636", "preset", {"sensor.preset=imx636"}},
-    {"davis346", "preset", {"sensor.preset=davis346"}},
-    {"davis240", "preset", {"sensor.preset=davis240"}},
+    WITH_READOUT("dvs128", NULL),
+    WITH_READOUT("dvs128-lowlight", NULL),
+    DAVIS("davis240"),
+    DAVIS("davis240-frames"),
+    DAVIS("davis346"),
+    DAVIS("davis346-frames"),
+    WITH_READOUT("dvxplorer", NULL),
+    WITH_READOUT("gen3", NULL),
+    WITH_READOUT("gen4", NULL),
+    WITH_READOUT("imx636", NULL),
+    WITH_READOUT("imx636-lowlight", NULL),
+    WITH_READOUT("genx320", NULL),
     {"v2e-noisy", "preset", {"sensor.preset=v2e-noisy"}},
     {"additive noise", "front end", {"frontend.noise_rms=0.02"}},
     {"circuit", "front end", {"frontend.bandwidth=circuit"}},

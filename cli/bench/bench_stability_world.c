@@ -154,6 +154,7 @@ static tides_status lay_out(stability_world *w, tides_error *error) {
     s->image.log_eps = 0.01;
     tides_sensor_defaults(&s->sensor);
     tides_readout_defaults(&s->readout);
+    tides_filters_defaults(&s->filters);
     tides_stepping_defaults(&w->stepping);
     w->stepping.tolerance = TOLERANCE;
     bench_choose_parts(&w->stepping, 0);

@@ -36,7 +36,7 @@ enum { TIDES_PHOTORECEPTOR_CONSTANT = 0, TIDES_PHOTORECEPTOR_INTENSITY = 1 };
  *   RANDOM  anywhere that keeps the signal between the levels, uniform: it has seen other things before
  *   STEADY  where leak, noise, hot pixels and refractory period leave it after a long time at rest, so that events at rest
  *           come at the same rate from the first moment on; without any of these that is REST. Additive noise has been there
- *           for ten seconds, or for 512 events (lib/sensor/td_steady.h) */
+ *           for ten seconds, where it makes few events for minutes (lib/sensor/td_steady.h) */
 enum { TIDES_INITIAL_REST = 0, TIDES_INITIAL_RANDOM = 1, TIDES_INITIAL_STEADY = 2 };
 
 /* Additive noise: an Ornstein-Uhlenbeck process per pixel.
@@ -109,19 +109,22 @@ typedef struct tides_sensor {
     int32_t initial;           /* TIDES_INITIAL_* */
     /* A file with values of single pixels, which replace drawn ones (nullable; the caller's). It has arrays of the image's
      * height by width, in an .npz, a structured .npy, or HDF5. Their names are threshold_on, threshold_off [log units], leak
-     * [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1]. Any may be missing, and NaN means unknown. It is read when
-     * pixels are made. */
+     * [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1], noise_size [of additive noise, 1: as noise_rms or noise_law
+     * say]. Any may be missing, and NaN means unknown. It is read when pixels are made. */
     const char *maps;
     /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, after all
-     * filters, and decays. Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (reset, signal)
-     * + y kick_row_s later. Reads before the run don't count. Not with a pole that depends on light, nor the circuit. A step is
-     * at most 16 recoveries long. */
+     * filters, and decays. Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz or as kick_times lists, reads row y
+     * kick_reads_s (reset, signal) + y kick_row_s later. Reads before the run don't count. Not with a pole that depends on
+     * light, nor the circuit. A step is at most 16 recoveries long. */
     double kick;            /* [log units], of either sign; 0: off */
     double kick_recovery_s; /* its time constant [s] */
     double kick_rate_hz;    /* frames per second [Hz] */
     double kick_first_s;    /* the first frame [s], on the run's clock */
     double kick_row_s;      /* from row to row [s] */
     double kick_reads_s[2]; /* the same twice: one read [s] */
+    /* A text file of frames' times, in place of kick_rate_hz and kick_first_s (nullable; the caller's): each line begins with
+     * one [s, on the run's clock, ascending]. Lines may be empty, or begin with # or %. It is read when pixels are made. */
+    const char *kick_times;
 } tides_sensor;
 TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
 

@@ -38,7 +38,9 @@ static tides_status check(const tides_baseline *b, tides_error *error) {
     if (status == TIDES_OK) status = td_sensor_check(sensor, error);
     if (status == TIDES_OK) status = td_frontend_make(sensor, &frontend, error);
     if (status == TIDES_OK) status = td_additive_noise_make(sensor, b->params.log_eps, &noise, error);
-    return status == TIDES_OK ? td_kick_make(sensor, 0, &kick, error) : status;
+    if (status == TIDES_OK) status = td_kick_make(sensor, 0, &kick, error);
+    if (status == TIDES_OK) td_kick_release(&kick);
+    return status;
 }
 
 static tides_status create(tides_baseline *b, tides_error *error) {

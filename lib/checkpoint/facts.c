@@ -131,6 +131,7 @@ tides_status td_facts_gather(const tides_simulator *s, td_facts *facts, tides_er
     ADD_KEYS(facts, run.sensor, sensor);
     add_checksum(facts, "sensor's seed or labels", td_hash_words(0, run.sensor, sizeof *run.sensor));
     if (run.maps_checksum) add_checksum(facts, "sensor.maps", run.maps_checksum);
+    if (run.kick_checksum) add_checksum(facts, "sensor.kick_times", run.kick_checksum);
     ADD_KEYS(facts, run.readout, readout);
     ADD_KEYS(facts, run.filters, filters);
     add_checksum(facts, "scene", scene);

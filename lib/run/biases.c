@@ -1,5 +1,6 @@
 /* sensor.biases: sets keys of the run from a camera's bias settings, unless the file or an override gives them. Notes tell
- * which biases set keys, which keys were kept, and which biases have no published law. */
+ * which biases set keys, which keys were kept, and which biases have no published law. Metavision's settings have the filters
+ * of the camera, too. */
 #include "td_biases.h"
 #include "td_run.h"
 
@@ -91,6 +92,97 @@ static tides_status keep_others(const bias_job *job, const td_biases *biases, in
                 : TIDES_OK;
 }
 
+/* -- filters of Metavision's settings -------------------------------------------------------------------------------------- */
+
+/* A field of a state that is on, and its key: a number times `times`, or one of `words`, "theirs=ours" with | between. */
+typedef struct filter_field {
+    const char *state, *field, *key;
+    double times;
+    const char *words;
+} filter_field;
+
+static const filter_field filter_fields[] = {
+    {"event_rate_activity_filter_state", "lower_start_rate_threshold", "filters.activity_low_start", 1, NULL},
+    {"event_rate_activity_filter_state", "lower_stop_rate_threshold", "filters.activity_low_stop", 1, NULL},
+    {"event_rate_activity_filter_state", "upper_start_rate_threshold", "filters.activity_high_start", 1, NULL},
+    {"event_rate_activity_filter_state", "upper_stop_rate_threshold", "filters.activity_high_stop", 1, NULL},
+    {"event_rate_noise_filter_state", "event_rate_threshold", "filters.activity_low_start", 1, NULL},
+    {"afk_state", "filtering_mode", "filters.afk", 0, "BAND_STOP=band_stop|BAND_PASS=band_pass"},
+    {"afk_state", "band_low_freq", "filters.afk_low_hz", 1, NULL},
+    {"afk_state", "band_high_freq", "filters.afk_high_hz", 1, NULL},
+    {"afk_state", "start_threshold", "filters.afk_start", 1, NULL},
+    {"afk_state", "stop_threshold", "filters.afk_stop", 1, NULL},
+    {"event_trail_filter_state", "filtering_type", "filters.trail", 0,
+     "TRAIL=trail|STC_CUT_TRAIL=stc_cut|STC_KEEP_TRAIL=stc_keep"},
+    {"event_trail_filter_state", "threshold", "filters.trail_s", 1e-6, NULL}, /* [us] */
+    {"event_rate_control_state", "cd_event_count", "filters.erc_events", 1, NULL},
+};
+
+/* The value of a key from a field; NULL if the field has another form, or memory is short. */
+static cJSON *filter_value(const filter_field *f, const cJSON *given) {
+    if (!f->words) return cJSON_IsNumber(given) ? cJSON_CreateNumber(given->valuedouble * f->times) : NULL;
+    char word[64];
+    const char *theirs = cJSON_GetStringValue(given);
+    snprintf(word, sizeof word, "%.40s=", theirs ? theirs : "");
+    for (const char *at = f->words; at; at = strchr(at, '|') ? strchr(at, '|') + 1 : NULL) {
+        if (strncmp(at, word, strlen(word)) != 0) continue;
+        at += strlen(word);
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(at, "|"), at);
+        return cJSON_CreateString(word);
+    }
+    return NULL;
+}
+
+static tides_status set_filter(const bias_job *job, const filter_field *f, const cJSON *given) {
+    char from[160], line[300];
+    snprintf(from, sizeof from, "%s.%s", f->state, f->field);
+    const tides_param *row = td_param_find(f->key);
+    cJSON *value = filter_value(f, given);
+    if (!value) return td_fail(job->error, TIDES_BAD_CONFIG, "%s: %s has no value for %s", job->name, from, f->key);
+    char *text = cJSON_PrintUnformatted(value);
+    const int given_otherwise = tides_run_gives(job->run, f->key);
+    snprintf(line, sizeof line, given_otherwise ? "%s would be %s %.60s, which is given otherwise" : "%s: %s %.60s", from,
+             f->key, text ? text : "");
+    cJSON_free(text);
+    tides_status status = given_otherwise ? TIDES_OK : td_param_check(row, value, job->name, job->error);
+    if (status == TIDES_OK && !given_otherwise) status = td_run_store(job->run, row, value, job->error);
+    cJSON_Delete(value);
+    return status == TIDES_OK ? note(job, line, "") : status;
+}
+
+/* The older of two states for one filter counts where the newer isn't there. */
+static int is_replaced(const filter_field *f, const cJSON *settings) {
+    return strcmp(f->state, "event_rate_noise_filter_state") == 0 &&
+           cJSON_GetObjectItemCaseSensitive(settings, "event_rate_activity_filter_state") != NULL;
+}
+
+static tides_status set_filters(const bias_job *job, const cJSON *settings) {
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && i < sizeof filter_fields / sizeof *filter_fields; i++) {
+        const filter_field *f = &filter_fields[i];
+        const cJSON *state = cJSON_GetObjectItemCaseSensitive(settings, f->state);
+        const cJSON *value = cJSON_GetObjectItemCaseSensitive(state, f->field);
+        if (!cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(state, "enabled")) || is_replaced(f, settings)) continue;
+        if (value) status = set_filter(job, f, value);
+    }
+    const cJSON *afk = cJSON_GetObjectItemCaseSensitive(settings, "afk_state");
+    const int has_duty = cJSON_HasObjectItem(afk, "duty_cycle");
+    if (status == TIDES_OK && has_duty && cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(afk, "enabled")))
+        status = note(job, "afk_state.duty_cycle", ": has no key, since how the chip uses it isn't published");
+    return status;
+}
+
+static tides_status filters_of(const bias_job *job, const char *path) {
+    char *text = NULL;
+    size_t bytes = 0;
+    tides_status status = td_read_file(path, (size_t)1 << 24, &text, &bytes, job->error);
+    cJSON *settings = status == TIDES_OK ? cJSON_Parse(text) : NULL;
+    free(text);
+    if (status == TIDES_OK && settings) status = set_filters(job, settings); /* the other formats have no filters */
+    cJSON_Delete(settings);
+    return status;
+}
+
 tides_status td_run_biases(tides_run *run, tides_error *error) {
     const cJSON *file = td_run_value(run, "sensor.biases"), *preset = td_run_value(run, "sensor.preset");
     if (!cJSON_IsString(file)) return TIDES_OK;
@@ -98,10 +190,11 @@ tides_status td_run_biases(tides_run *run, tides_error *error) {
     char *path = td_run_resolve(run, file->valuestring, error);
     tides_status status = path ? td_biases_read(path, &biases, error) : TIDES_NO_MEMORY;
     if (path && status != TIDES_OK) status = td_fail_within(error, status, "%s: sensor.biases", run->origin);
-    free(path);
-    if (status != TIDES_OK) return status;
     const char *slash = strrchr(file->valuestring, '/');
     const bias_job job = {run, slash ? slash + 1 : file->valuestring, error};
+    if (status == TIDES_OK && biases.kind == TD_BIASES_PROPHESEE) status = filters_of(&job, path);
+    free(path);
+    if (status != TIDES_OK) return status;
     if (biases.kind != TD_BIASES_PROPHESEE) return by_formula(&job, &biases);
     const int gen3 = cJSON_IsString(preset) && strcmp(preset->valuestring, "gen3") == 0;
     if (gen3) status = by_ratio(&job, &biases);

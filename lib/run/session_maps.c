@@ -16,6 +16,7 @@ static void take_pixel(const td_sensor *sensor, size_t i, double value[TD_MAPS])
     value[TD_MAP_LEAK] = sensor->on && sensor->leak[i] > 0 ? 1e9 * sensor->leak[i] / on : 0;
     value[TD_MAP_NOISE] =
         1e9 * (td_shot_noise_rate(noise, TD_NOISE_SHOT_ON, i) + td_shot_noise_rate(noise, TD_NOISE_SHOT_OFF, i));
+    value[TD_MAP_SIZE] = sensor->additive.on ? td_additive_noise_own(&sensor->additive, (uint32_t)i) : NAN;
     value[TD_MAP_HOT] = 1e9 * td_shot_noise_rate(noise, TD_NOISE_HOT, i);
 }
 

@@ -216,12 +216,17 @@ static tides_status read_maps(td_sensor *sensor, const td_tile *tiles, int32_t t
 }
 
 /* Sets up the blocks that the parameters ask for, and the run's start [ns]. */
-static tides_status set_blocks(td_sensor *sensor, const td_maps *maps, double start, tides_error *error) {
+static tides_status set_blocks(td_sensor *sensor, td_maps *maps, double start, tides_error *error) {
     const tides_sensor *params = &sensor->sensor;
     td_step first; /* splits a time as steps of the simulator do */
     tides_status status = td_frontend_make(params, &sensor->frontend, error);
     if (status == TIDES_OK) status = td_additive_noise_make(params, sensor->log_eps, &sensor->additive, error);
+    if (status == TIDES_OK && maps->map[TD_MAP_SIZE]) {
+        td_additive_noise_give(&sensor->additive, maps->map[TD_MAP_SIZE]);
+        maps->map[TD_MAP_SIZE] = NULL; /* the noise's */
+    }
     if (status == TIDES_OK) status = td_kick_make(params, start, &sensor->kick, error);
+    sensor->sensor.kick_times = NULL; /* as that of the maps */
     if (status == TIDES_OK && sensor->kick.on && sensor->frontend.kind > TD_FRONTEND_CONSTANT)
         status = td_fail(error, TIDES_UNSUPPORTED,
                          "sensor: kick isn't available with the circuit, a pole that goes with the light or a high-pass; leave "
@@ -285,7 +290,9 @@ void td_sensor_release(td_sensor *sensor) {
     free(sensor->segment.number);
     free(sensor->segment.value);
     free(sensor->segment.light);
+    free(sensor->additive.own);
     free(sensor->number);
     td_shot_noise_release(&sensor->noise);
+    td_kick_release(&sensor->kick);
     memset(sensor, 0, sizeof *sensor);
 }

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const td_map_names[TD_MAPS] = {"threshold_on", "threshold_off", "leak", "noise", "hot", "dead"};
+const char *const td_map_names[TD_MAPS] = {"threshold_on", "threshold_off", "leak", "noise", "hot", "dead", "noise_size"};
 
 static const double most_hz = 1e6, most_threshold = 100;
 
@@ -118,7 +118,8 @@ static tides_status check(const char *path, int32_t width, size_t count, const t
                                                                    : "in [0, 1e6]");
     }
     if (some) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_FILE, "%s: has none of threshold_on, threshold_off, leak, noise, hot, dead", path);
+    return td_fail(error, TIDES_BAD_FILE, "%s: has none of threshold_on, threshold_off, leak, noise, hot, dead, noise_size",
+                   path);
 }
 
 tides_status td_maps_read(const char *path, int32_t width, int32_t height, td_maps *maps, tides_error *error) {

@@ -17,6 +17,7 @@ tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tide
     if (status == TIDES_OK) status = td_kick_make(params, 0, &kick, error);
     if (status == TIDES_OK)
         *shows = !frontend.on && !additive.on && !kick.on && !(params->surround_lambda_px > 0) && !(params->psf_sigma_px > 0);
+    if (status == TIDES_OK) td_kick_release(&kick);
     return status;
 }
 

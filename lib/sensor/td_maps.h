@@ -6,8 +6,8 @@
 #include "td_base.h"
 
 /* threshold_on, threshold_off [log units]; leak [Hz of ON events]; noise [Hz of both polarities, in the dark]; hot [Hz of ON
- * events]; dead [0 or 1]. */
-enum { TD_MAP_ON = 0, TD_MAP_OFF, TD_MAP_LEAK, TD_MAP_NOISE, TD_MAP_HOT, TD_MAP_DEAD, TD_MAPS };
+ * events]; dead [0 or 1]; noise_size [of additive noise, over the nominal pixel's]. */
+enum { TD_MAP_ON = 0, TD_MAP_OFF, TD_MAP_LEAK, TD_MAP_NOISE, TD_MAP_HOT, TD_MAP_DEAD, TD_MAP_SIZE, TD_MAPS };
 extern const char *const td_map_names[TD_MAPS];
 
 typedef struct td_maps {

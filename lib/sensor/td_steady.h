@@ -7,12 +7,13 @@
  *
  * by the mean first passage of the Ornstein-Uhlenbeck process; shot noise and hot pixels have theirs. An event changes o by a
  * threshold. Where pixels are held, the noise at the hold's end sets it. This is followed from event to event for ten seconds
- * or 512 events, from a reference anywhere between the levels. At the end noise and o depend on each other. So over the last
- * few tau the path of the noise with which the run begins is drawn backwards, and its events are followed.
+ * or 512 events, up to five minutes in pixels that seldom fire, from a reference anywhere between the levels. At the end noise
+ * and o depend on each other. So over the last few tau the path of the noise with which the run begins is drawn backwards, and
+ * its events are followed.
  *
  * Without leak, shot noise or a refractory period there is no steady state. With equal levels o only changes by whole
  * thresholds, for ever. Levels that differ by little move it to where events are rare, ever more slowly (measured: 1.3 times
- * the rate of the tenth second in the first). STEADY then means ten seconds. */
+ * the rate of the tenth second in the first). STEADY then means that time. */
 #ifndef TD_STEADY_H
 #define TD_STEADY_H
 

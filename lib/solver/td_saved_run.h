@@ -15,6 +15,7 @@ typedef struct td_saved_run {
     const tides_stepping *stepping; /* with open choices as the simulator settled them */
     const tides_sensor *sensor;
     uint64_t maps_checksum; /* of the sensor's file of maps; 0: there was none */
+    uint64_t kick_checksum; /* of its file of frame times; 0: there was none */
     const tides_readout *readout;
     const tides_filters *filters;
     const tides_arbiter *arbiter; /* NULL: there is no readout */

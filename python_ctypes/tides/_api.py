@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 14
+TIDES_NUMERICS = 15
 TIDES_CHECKPOINT_S = 30
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
@@ -1490,19 +1490,22 @@ class tides_sensor(Structure):
     int32_t initial; /* TIDES_INITIAL_* */
     /* A file with values of single pixels, which replace drawn ones (nullable; the caller's). It has arrays of the image's
     * height by width, in an .npz, a structured .npy, or HDF5. Their names are threshold_on, threshold_off [log units], leak
-    * [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1]. Any may be missing, and NaN means unknown. It is read when
-    * pixels are made. */
+    * [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1], noise_size [of additive noise, 1: as noise_rms or noise_law
+    * say]. Any may be missing, and NaN means unknown. It is read when pixels are made. */
     const char *maps;
     /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, after all
-    * filters, and decays. Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (reset, signal)
-    * + y kick_row_s later. Reads before the run don't count. Not with a pole that depends on light, nor the circuit. A step is
-    * at most 16 recoveries long. */
+    * filters, and decays. Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz or as kick_times lists, reads row y
+    * kick_reads_s (reset, signal) + y kick_row_s later. Reads before the run don't count. Not with a pole that depends on
+    * light, nor the circuit. A step is at most 16 recoveries long. */
     double kick; /* [log units], of either sign; 0: off */
     double kick_recovery_s; /* its time constant [s] */
     double kick_rate_hz; /* frames per second [Hz] */
     double kick_first_s; /* the first frame [s], on the run's clock */
     double kick_row_s; /* from row to row [s] */
     double kick_reads_s[2]; /* the same twice: one read [s] */
+    /* A text file of frames' times, in place of kick_rate_hz and kick_first_s (nullable; the caller's): each line begins with
+    * one [s, on the run's clock, ascending]. Lines may be empty, or begin with # or %. It is read when pixels are made. */
+    const char *kick_times;
     """
 
     size: int
@@ -1547,6 +1550,7 @@ class tides_sensor(Structure):
     kick_first_s: float
     kick_row_s: float
     kick_reads_s: Any
+    kick_times: bytes | None
 
     _fields_ = [
         ("size", c_uint32),
@@ -1591,6 +1595,7 @@ class tides_sensor(Structure):
         ("kick_first_s", c_double),
         ("kick_row_s", c_double),
         ("kick_reads_s", c_double * 2),
+        ("kick_times", c_char_p),
     ]
 
 

@@ -204,7 +204,7 @@ done
 expect 0 tides bench sensors --quick -o made
 out "^demo +davis346 "
 for file in sensors.json sensors.csv sensors.png; do exists made/$file; done
-[ "$(grep -c "^demo,.*,preset," made/sensors.csv)" = 6 ] || fail "sensors.csv should have six presets"
+[ "$(grep -c "^demo,.*,preset," made/sensors.csv)" = 14 ] || fail "sensors.csv should have 14 presets"
 for key in run_time_ratio ratio ratio_low compare_s events; do
     grep -q "\"$key\":[[:space:]]*[0-9.]*[1-9]" made/sensors.json || fail "sensors.json lacks $key"
 done

@@ -105,7 +105,7 @@ HOME=$PWD/home && mkdir -p home/.config && cp -r config/tides home/.config && ex
 expect 0 tides info mine-1
 
 # Two runs share a sensor by its maps: other seeds, and nothing drawn but what the first has drawn.
-drawn="--set sensor.threshold_sigma=0.03 --set sensor.dead_pixel_fraction=0.1"
+drawn="--set sensor.threshold_sigma=0.03 --set sensor.dead_pixel_fraction=0.1 --set frontend.noise_sigma=0.2"
 expect 0 tides simulate run.json -qo first.h5 $drawn --seed 7 --maps maps.h5
 expect 0 tides simulate run.json -qo shared.h5 --set sensor.maps=maps.h5 --seed 8
 expect 0 tides simulate run.json -qo other.h5 $drawn --seed 8

@@ -140,18 +140,30 @@ static void test_cuts(void **state) {
     random_scene_free(&scene);
 }
 
-/* Kicks of a frame's readout in whole runs, fixed and adaptive: over cuts, through a checkpoint, and they make events. */
+/* The frames that kick_rate_hz 45 and kick_first_s give, as a list. */
+static void list_kicks(const char *path, const job *j) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    for (int k = 0; k < 200; k++) assert_true(fprintf(file, "%.17g\n", j->start + 1e-3 + k / 45.0) > 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Kicks of a frame's readout in whole runs, fixed and adaptive: over cuts, through a checkpoint, and they make events. With the
+ * frames' times from a file they are the same. */
 static void test_kicks(void **state) {
     random_scene scene = make_scene(SEED);
     tides_device *device = open_device("reference-f32");
     for (int adaptive = 0; adaptive < 2; adaptive++) {
         job j = noisy_job(&scene, adaptive);
+        const char *times = scene_in_folder(*state, "kicks.txt");
+        list_kicks(times, &j);
         j.sensor.noise_rms = adaptive ? 0.01 : 0;
         outcome without = whole_run(&j, device, NULL);
         j.sensor.kick = 0.06;
         j.sensor.kick_rate_hz = 45;
         j.sensor.kick_first_s = j.start + 1e-3;
         outcome whole = whole_run(&j, device, NULL);
+        j.sensor.kick_times = times;
         outcome pieces = cut_run(&j, device, NULL, scene_in_folder(*state, "kicks.checkpoint"));
         expect_same(&whole, &pieces, "cut");
         expect_same_stats(&whole.stats, &pieces.stats);

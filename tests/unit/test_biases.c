@@ -222,6 +222,49 @@ static void test_run(void **state) {
     tides_run_destroy(run);
 }
 
+/* The filters of Metavision's settings: those that are on, with a line each; a key that is given wins. */
+static void test_filters(void **state) {
+    (void)state;
+    tides_run_values v;
+    write_text(
+        "{\"ll_biases_state\": {\"bias\": [{\"name\": \"bias_fo\", \"value\": -35}]},"
+        "\"afk_state\": {\"enabled\": true, \"band_low_freq\": 90, \"band_high_freq\": 130, \"filtering_mode\": "
+        "\"BAND_PASS\", \"duty_cycle\": 0.5, \"start_threshold\": 5, \"stop_threshold\": 3},"
+        "\"event_trail_filter_state\": {\"enabled\": true, \"filtering_type\": \"STC_KEEP_TRAIL\", \"threshold\": 25000},"
+        "\"event_rate_control_state\": {\"enabled\": true, \"cd_event_count\": 4000},"
+        "\"event_rate_noise_filter_state\": {\"enabled\": true, \"event_rate_threshold\": 7},"
+        "\"event_rate_activity_filter_state\": {\"enabled\": false, \"lower_start_rate_threshold\": 9}}");
+    tides_run *run = run_with("filters.afk_start=6", NULL, NULL);
+    tides_run_get(run, &v);
+    assert_true(v.filters.afk == TIDES_AFK_BAND_PASS && v.filters.afk_low_hz == 90 && v.filters.afk_high_hz == 130);
+    assert_true(v.filters.afk_start == 6 && v.filters.afk_stop == 3);
+    assert_true(v.filters.trail == TIDES_TRAIL_STC_KEEP && fabs(v.filters.trail_s - 0.025) < 1e-12);
+    assert_true(v.filters.erc_events == 4000 && v.filters.activity_low_start == 0);
+    expect_note(run, "afk_state.filtering_mode: filters.afk \"band_pass\"");
+    expect_note(run, "afk_state.start_threshold would be filters.afk_start 5, which is given otherwise");
+    expect_note(run, "afk_state.duty_cycle: has no key");
+    tides_run_destroy(run);
+    write_text("{\"ll_biases_state\": {\"bias\": [{\"name\": \"bias_fo\", \"value\": 0}]}, \"event_rate_noise_filter_state\": "
+               "{\"enabled\": true, \"event_rate_threshold\": 7}, \"event_rate_control_state\": {\"enabled\": false, "
+               "\"cd_event_count\": 5}}");
+    run = run_with(NULL, NULL, NULL);
+    tides_run_get(run, &v);
+    assert_true(v.filters.activity_low_start == 7 && v.filters.erc_events == 0 && v.filters.afk == TIDES_AFK_OFF);
+    tides_run_destroy(run);
+    static const char *const wrong[][2] = {{"\"filtering_type\": \"NEW\"", "filtering_type has no value for filters.trail"},
+                                           {"\"threshold\": -1", "filters.trail_s"},
+                                           {"\"threshold\": \"x\"", "threshold has no value for filters.trail_s"}};
+    for (size_t i = 0; i < 3; i++) {
+        char text[400];
+        snprintf(text, sizeof text,
+                 "{\"ll_biases_state\": {\"bias\": [{\"name\": \"bias_fo\", \"value\": 0}]}, \"event_trail_filter_state\": "
+                 "{\"enabled\": true, %s}}",
+                 wrong[i][0]);
+        write_text(text);
+        tides_run_destroy(run_with(NULL, NULL, wrong[i][1]));
+    }
+}
+
 static void test_refused(void **state) {
     (void)state;
     static const char *const texts[] =
@@ -240,9 +283,9 @@ static void test_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_table),  cmocka_unit_test(test_other_shapes),
-                                       cmocka_unit_test(test_dvs128), cmocka_unit_test(test_prophesee),
-                                       cmocka_unit_test(test_aedat),  cmocka_unit_test(test_run),
-                                       cmocka_unit_test(test_refused)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_table),   cmocka_unit_test(test_other_shapes),
+                                       cmocka_unit_test(test_dvs128),  cmocka_unit_test(test_prophesee),
+                                       cmocka_unit_test(test_aedat),   cmocka_unit_test(test_run),
+                                       cmocka_unit_test(test_filters), cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -3,8 +3,10 @@
 #include "tests/unit/sensor_rig.h"
 
 #include "td_random.h"
+#include "tides/base.h"
 
 #include <stdio.h>
+#include <unistd.h>
 
 enum { SEED = 4242, ROWS = 16 };
 
@@ -21,9 +23,16 @@ static tides_sensor kicked(double size) {
     return s;
 }
 
+/* Frames at no rate: the first is half before the run, two are close together, none is in its last 27 ms. Off whole
+ * nanoseconds, as above. */
+static const char listed[] = "# time file\n3.2465000003 a.png\n\n 3.2533000003 b.png\r\n3.2537000003,c.png\n%\n3.2689000003";
+static const double at_s[] = {3.2465000003, 3.2533000003, 3.2537000003, 3.2689000003};
+enum { LISTED = 4 };
+
 /* Since the run's start [s]. */
 static double plain_read(const tides_sensor *s, int y, int r, int k) {
-    const double asked = s->kick_first_s + k / s->kick_rate_hz + s->kick_reads_s[r] + y * s->kick_row_s;
+    const double frame = s->kick_times ? k < LISTED ? at_s[k] : 1e9 : s->kick_first_s + k / s->kick_rate_hz;
+    const double asked = frame + s->kick_reads_s[r] + y * s->kick_row_s;
     return 1e-9 * (floor(1e9 * (asked - start)) + 0.5);
 }
 
@@ -47,6 +56,26 @@ static double plain_kick(const tides_sensor *s, int y, double t) {
     return s->kick * sum;
 }
 
+static char path[] = "/tmp/tides_kick_XXXXXX";
+
+static int make_file(void **state) {
+    (void)state;
+    const int file = mkstemp(path);
+    return file < 0 || close(file);
+}
+
+static int remove_file(void **state) {
+    (void)state;
+    return unlink(path);
+}
+
+static void write_times(const char *text) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
+    assert_int_equal(fclose(file), 0);
+}
+
 static double uniform(uint32_t number) {
     const td_random_bits bits = td_random(SEED, number, 0, TD_RANDOM_NOISE);
     return td_random_uniform(&bits, 0);
@@ -55,24 +84,30 @@ static double uniform(uint32_t number) {
 static void sums(void **state) {
     (void)state;
     tides_sensor s = kicked(0.04);
-    for (int one = 0; one < 3; one++) {
+    write_times(listed);
+    for (int one = 0; one < 4; one++) {
         td_kick kick;
         if (one == 1) s.kick_reads_s[1] = s.kick_reads_s[0] = 1e-3;
         if (one == 2) s.kick_first_s = start - 1.1e-3; /* reads of some rows are before the run */
+        if (one == 3) s = kicked(0.04);
+        if (one == 3) s.kick_times = path;
         assert_int_equal(td_kick_make(&s, start, &kick, NULL), TIDES_OK);
+        assert_true(!kick.checksum == !s.kick_times);
         for (uint32_t i = 0; i < 3000; i++) {
             const int y = (int)(16 * uniform(3 * i));
             const double t = 5e7 * uniform(3 * i + 1), u = t + 2e7 * uniform(3 * i + 2), next = td_kick_next(&kick, y, t);
             double low, high;
             assert_true(fabs(td_kick_at(&kick, y, t) - plain_kick(&s, y, start + 1e-9 * t)) < 1e-6 * kick.most);
             assert_true(next >= t && td_kick_next(&kick, y, next) == next);
-            assert_true(td_kick_at(&kick, y, next + 1e-3) - td_kick_at(&kick, y, next) > 0.99 * s.kick);
+            assert_true(next < INFINITY || s.kick_times);
+            if (next < INFINITY) assert_true(td_kick_at(&kick, y, next + 1e-3) - td_kick_at(&kick, y, next) > 0.99 * s.kick);
             td_kick_bounds(&kick, y, t, u, &low, &high);
             for (int k = 0; k <= 40; k++) {
                 const double K = td_kick_at(&kick, y, t + (u - t) * k / 40);
                 assert_true(K >= low && K <= high && high <= kick.most * (1 + 1e-12));
             }
         }
+        td_kick_release(&kick);
     }
 }
 
@@ -151,6 +186,18 @@ static void expect_plain(const char *name, const tides_sensor *s, int steps) {
     rig_free(r);
 }
 
+/* A single frame, which has no distance to a next one. */
+static void expect_one(const tides_sensor *s, int steps) {
+    td_kick kick;
+    assert_int_equal(td_kick_make(s, start, &kick, NULL), TIDES_OK);
+    assert_true(kick.count == 1 && kick.most == 2 * fabs(s->kick));
+    assert_true(td_kick_next(&kick, 0, 0) == floor(1e9 * (3.26 - start)) + 0.5);
+    td_kick_release(&kick);
+    rig *r = rig_make(s, 1, start, ramp, NULL);
+    rig_run(r, stop, steps);
+    rig_free(r);
+}
+
 static void events_of_ramps(void **state) {
     (void)state;
     static const int steps[] = {5, 7, 50};
@@ -163,6 +210,12 @@ static void events_of_ramps(void **state) {
         expect_plain("downwards", &s, steps[k]);
         s.photoreceptor_cutoff_hz = pole_hz;
         expect_plain("behind a pole", &s, steps[k]);
+        s = kicked(0.5);
+        s.kick_times = path;
+        write_times(listed);
+        expect_plain("frames of a list", &s, steps[k]);
+        write_times("3.26 alone");
+        expect_one(&s, steps[k]);
     }
 }
 
@@ -231,6 +284,29 @@ static void refused(void **state) {
         assert_int_equal(td_kick_make(&s, 0, &kick, &error), TIDES_BAD_ARGUMENT);
         assert_non_null(strstr(error.text, rows[i].name));
     }
+    static const struct {
+        const char *text, *said;
+    } files[] = {{"", "no times"},
+                 {"# only this", "no times"},
+                 {"1\n2 b\nb 3", ":3: "},
+                 {"1\n\n1", ":3: 1 s isn't after"},
+                 {"2\n1.5", ":2: 1.5 s isn't after"},
+                 {"1x", ":1: "},
+                 {"nan", ":1: "},
+                 {"1e11", ":1: "},
+                 {"1\n1.0001", "kick_recovery_s is 0.002, more than ten frames where those of kick_times are nearest"}};
+    for (size_t i = 0; i <= sizeof files / sizeof files[0]; i++) {
+        tides_sensor s = kicked(0.04);
+        td_kick kick;
+        tides_error error = {TIDES_OK, ""};
+        const int absent = i == sizeof files / sizeof files[0];
+        s.kick_times = absent ? "/nowhere/times" : path;
+        if (!absent) write_times(files[i].text);
+        const tides_status status = td_kick_make(&s, 0, &kick, &error);
+        assert_int_equal(status, absent ? TIDES_FILE_NOT_FOUND : i == 8 ? TIDES_BAD_ARGUMENT : TIDES_BAD_FILE);
+        assert_non_null(strstr(error.text, absent ? "/nowhere/times" : files[i].said));
+        assert_null(kick.listed);
+    }
     tides_sensor s = kicked(0.04);
     td_sensor sensor;
     const td_tile tile = {0, 0, 1, 1};
@@ -243,5 +319,5 @@ static void refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(sums), cmocka_unit_test(events_of_ramps),
                                        cmocka_unit_test(commensurate), cmocka_unit_test(with_noise), cmocka_unit_test(refused)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, make_file, remove_file);
 }

@@ -64,7 +64,29 @@ static tides_sensor noisy(const char *maps) {
     return sensor;
 }
 
+/* Sizes of additive noise, which varies with such a map alone too. */
+static void expect_sizes(const char *file) {
+    for (int spread = 0; spread < 2; spread++) {
+        tides_sensor with = noisy(file), without = noisy(NULL);
+        with.noise_rms = without.noise_rms = 0.02;
+        with.noise_sigma = without.noise_sigma = 0.1 * spread;
+        rig *a = rig_make(&with, TILES, 0, still, NULL), *b = rig_make(&without, TILES, 0, still, NULL);
+        for (size_t k = 0; k < a->pixels; k++) {
+            const uint32_t i = a->sensor.number[k];
+            const double own = td_sensor_noise_segment(&a->sensor, k).own;
+            const double drawn = td_sensor_noise_segment(&b->sensor, k).own;
+            assert_true(own == (i % 7 == 3 ? drawn : value_of(TD_MAP_SIZE, (int)i)));
+            assert_true((drawn != 1) == spread);
+        }
+        rig_run(a, 0.1, 7);
+        rig_check(a);
+        rig_free(a);
+        rig_free(b);
+    }
+}
+
 static void expect_pixels(const char *file) {
+    expect_sizes(file);
     const tides_sensor with = noisy(file), without = noisy(NULL);
     rig *a = rig_make(&with, TILES, 0, still, NULL), *b = rig_make(&without, TILES, 0, still, NULL);
     for (size_t k = 0; k < a->pixels; k++) {
@@ -118,7 +140,7 @@ static void test_pixels(void **state) {
     assert_int_equal(td_npy_writer_close(writer, &error), TIDES_OK);
     expect_pixels(path);
     static const char structured[] = "[('threshold_on', '<f8'), ('threshold_off', '<f8'), ('leak', '<f8'), ('noise', '<f8'), "
-                                     "('hot', '<f8'), ('dead', '<f8')]";
+                                     "('hot', '<f8'), ('dead', '<f8'), ('noise_size', '<f8')]";
     double *rows = rig_alloc(COUNT * TD_MAPS, sizeof *rows);
     for (int i = 0; i < COUNT * TD_MAPS; i++) rows[i] = maps.map[i % TD_MAPS][i / TD_MAPS];
     assert_int_equal(td_npy_writer_open(named("maps.npy"), 0, &writer, &error), TIDES_OK);

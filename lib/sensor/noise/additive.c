@@ -67,6 +67,13 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, 
     return TIDES_OK;
 }
 
+void td_additive_noise_give(td_additive_noise *noise, double *own) {
+    noise->own = own;
+    if (!noise->on) return;
+    noise->varies = 1;
+    noise->reach = 0;
+}
+
 /* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
 /* Where segment 0 begins, at or before the run's start. Random number 0 is for this; the normals of block b come of number
@@ -88,9 +95,9 @@ static double end_of_segment(const td_additive_noise *noise, double origin_ns, d
 
 double td_additive_noise_tau(const td_additive_noise *noise) { return noise->spacing_ns * segments_per_tau; }
 
-/* The pixel's own size, over the nominal one. */
-static double own_of(const td_additive_noise *noise, uint32_t pixel) {
+double td_additive_noise_own(const td_additive_noise *noise, uint32_t pixel) {
     double normal[2];
+    if (noise->own && !isnan(noise->own[pixel])) return noise->own[pixel];
     if (!(noise->spread > 0)) return 1;
     td_random_bits bits = td_random(noise->seed, pixel, 0, TD_RANDOM_NOISE_SIZE);
     td_random_normals(&bits, normal);
@@ -127,7 +134,7 @@ td_noise_segment td_additive_noise_resume(const td_additive_noise *noise, uint32
                                 .begin = value,
                                 .origin_ns = origin_of(noise, pixel),
                                 .light = light,
-                                .own = own_of(noise, pixel)};
+                                .own = td_additive_noise_own(noise, pixel)};
     draw_block(noise, pixel, k + 1, segment.normal);
     finish(noise, &segment);
     return segment;
@@ -137,7 +144,7 @@ double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel, d
     float normal[TD_NOISE_BLOCK];
     double sigma, tau_ns;
     draw_block(noise, pixel, 0, normal);
-    size_of(noise, own_of(noise, pixel), light, &sigma, &tau_ns);
+    size_of(noise, td_additive_noise_own(noise, pixel), light, &sigma, &tau_ns);
     return sigma * (double)normal[0];
 }
 

@@ -1,15 +1,78 @@
 /* The kicks that the readout of a frame gives a row of pixels: their sum at a time, the next one, and bounds over a step. */
 #include "td_kick.h"
 #include "td_base.h"
+#include "td_hash.h"
 #include "td_math.h"
+#include "td_text.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* Lifetimes after which a kick has gone: e^-40 of it is below the rounding of anything it is added to. */
 static const double lifetimes = 40;
 
-tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, tides_error *error) {
-    *kick = (td_kick){.on = s->kick != 0};
+/* -- the times of frames --------------------------------------------------------------------------------------------------- */
+
+/* Largest size of a file of times: more is another kind of file. */
+static const size_t bytes_most = (size_t)1 << 28;
+
+void td_kick_release(td_kick *kick) {
+    free(kick->listed);
+    *kick = (td_kick){0};
+}
+
+/* Takes the number at the beginning of each line of `text`, which is cut into lines. Frames are in time order. */
+static tides_status take_lines(td_kick *kick, char *text, const char *path, double start, tides_error *error) {
+    size_t capacity = 0, number = 0;
+    double before = -INFINITY;
+    for (char *line = text, *next; line; line = next) {
+        next = strchr(line, '\n');
+        if (next) *next++ = '\0';
+        number++;
+        line += strspn(line, " \t");
+        if (!*line || *line == '#' || *line == '%') continue;
+        char *end;
+        const double time = strtod(line, &end);
+        if (end == line || !strchr(" \t,;", *end) || !(fabs(time) <= 1e10))
+            return td_fail(error, TIDES_BAD_FILE, "%s:%zu: a line of sensor.kick_times begins with a frame's time in seconds",
+                           path, number);
+        if (!(time > before))
+            return td_fail(error, TIDES_BAD_FILE, "%s:%zu: %.15g s isn't after the frame before; times must ascend", path,
+                           number, time);
+        void *list = kick->listed;
+        const tides_status status = td_reserve(&list, &capacity, kick->count + 1, sizeof *kick->listed, error);
+        kick->listed = list;
+        if (status != TIDES_OK) return status;
+        kick->listed[kick->count++] = 1e9 * (time - start);
+        before = time;
+    }
+    if (kick->count) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE, "%s: has no times of frames for sensor.kick_times", path);
+}
+
+static tides_status read_times(td_kick *kick, const char *path, double start, tides_error *error) {
+    char *text = NULL;
+    size_t bytes = 0;
+    td_plain_numbers numbers;
+    tides_status status = td_read_file(path, bytes_most, &text, &bytes, error);
+    if (status == TIDES_OK && strlen(text) != bytes)
+        status = td_fail(error, TIDES_BAD_FILE, "%s: isn't text; sensor.kick_times wants a time per line", path);
+    if (status == TIDES_OK && (status = td_plain_begin(&numbers, path, error)) == TIDES_OK) {
+        td_break_lines(text);
+        status = take_lines(kick, text, path, start, error);
+        td_plain_end(&numbers);
+    }
+    free(text);
+    kick->period_ns = INFINITY;
+    for (size_t k = 1; k < kick->count; k++) kick->period_ns = fmin(kick->period_ns, kick->listed[k] - kick->listed[k - 1]);
+    if (status == TIDES_OK) kick->checksum = td_hash_words(1, kick->listed, kick->count * sizeof *kick->listed);
+    return status;
+}
+
+/* -- parameters ------------------------------------------------------------------------------------------------------------ */
+
+static tides_status check(const tides_sensor *s, tides_error *error) {
     const struct {
         const char *name;
         double value, least, most;
@@ -24,28 +87,57 @@ tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, ti
         if (!(fields[i].value >= fields[i].least && fields[i].value <= fields[i].most))
             return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: %s is %g; it must lie in [%g, %g]", fields[i].name,
                            fields[i].value, fields[i].least, fields[i].most);
-    if (kick->on && s->kick_recovery_s * s->kick_rate_hz > 10)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: kick_recovery_s is %g, more than ten frames at kick_rate_hz",
-                       s->kick_recovery_s);
-    kick->size = s->kick;
+    return TIDES_OK;
+}
+
+tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, tides_error *error) {
+    *kick = (td_kick){.on = s->kick != 0, .size = s->kick};
+    tides_status status = check(s, error);
     kick->recovery_ns = 1e9 * s->kick_recovery_s;
     kick->period_ns = 1e9 / s->kick_rate_hz;
     kick->row_ns = 1e9 * s->kick_row_s;
-    for (int r = 0; r < 2; r++) kick->read_ns[r] = 1e9 * (s->kick_first_s - start) + 1e9 * s->kick_reads_s[r];
+    if (status == TIDES_OK && kick->on && s->kick_times) status = read_times(kick, s->kick_times, start, error);
+    if (status == TIDES_OK && kick->on && kick->recovery_ns > 10 * kick->period_ns)
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "sensor: kick_recovery_s is %g, more than ten frames %s",
+                         s->kick_recovery_s, kick->listed ? "where those of kick_times are nearest" : "at kick_rate_hz");
+    if (status != TIDES_OK) {
+        td_kick_release(kick);
+        return status;
+    }
+    const double first_ns = kick->listed ? 0 : 1e9 * (s->kick_first_s - start);
+    for (int r = 0; r < 2; r++) kick->read_ns[r] = first_ns + 1e9 * s->kick_reads_s[r];
     kick->reads = s->kick_reads_s[0] == s->kick_reads_s[1] ? 1 : 2;
     kick->most = fabs(kick->size) * kick->reads / -td_expm1(-(kick->period_ns - 1) / kick->recovery_ns); /* - 1: rounding */
     return TIDES_OK;
 }
 
+/* -- reads ----------------------------------------------------------------------------------------------------------------- */
+
+static double frame_at(const td_kick *kick, double frame) {
+    if (!kick->listed) return frame * kick->period_ns;
+    return frame < (double)kick->count ? kick->listed[(size_t)frame] : INFINITY;
+}
+
 /* Time of a read [ns], at half a nanosecond. Steps may begin and end at reads, at whole nanoseconds. Rounding must not put a
  * read on one side of such an end in one step, and on the other in the next. */
 static double read_at(const td_kick *kick, int r, int32_t y, double frame) {
-    return floor(kick->read_ns[r] + frame * kick->period_ns + y * kick->row_ns) + 0.5;
+    return floor(kick->read_ns[r] + frame_at(kick, frame) + y * kick->row_ns) + 0.5;
 }
 
 /* The number of the first frame whose read r of row y is at or after `time`, at least 0. */
 static double frame_from(const td_kick *kick, int r, int32_t y, double time) {
     const double from = fmax(time, 0);
+    if (kick->listed) {
+        size_t low = 0, high = kick->count;
+        while (low < high) {
+            const size_t middle = low + (high - low) / 2;
+            if (read_at(kick, r, y, (double)middle) < from)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        return (double)low;
+    }
     double frame = fmax(ceil((from - read_at(kick, r, y, 0)) / kick->period_ns), 0);
     while (frame > 0 && read_at(kick, r, y, frame - 1) >= from) frame--; /* mends the rounding of the division */
     while (read_at(kick, r, y, frame) < from) frame++;

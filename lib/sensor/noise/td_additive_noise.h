@@ -43,6 +43,7 @@ typedef struct td_additive_noise {
     td_noise_move move; /* from one grid point to the next */
     int varies;         /* 1: segments have numbers of their own; those here are bounds */
     double spread;      /* noise_sigma */
+    double *own;        /* sizes of single pixels, by number, over the nominal one; NaN: drawn; NULL: all are (the sensor's) */
     td_noise_light light;
     double threshold;                             /* distance of the nearest level */
     double reach;                                 /* how far the noise goes beyond its ends on a segment, at most */
@@ -69,6 +70,12 @@ typedef struct td_noise_segment {
 /* Makes the noise of a sensor; off where noise_rms is 0. TIDES_BAD_ARGUMENT naming the field. */
 TIDES_MUST_CHECK tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, td_additive_noise *noise,
                                                      tides_error *error);
+
+/* Gives single pixels their own size, as `own` of td_additive_noise; noise that is off stays off. */
+void td_additive_noise_give(td_additive_noise *noise, double *own);
+
+/* A pixel's size, over the nominal one. */
+double td_additive_noise_own(const td_additive_noise *noise, uint32_t pixel);
 
 /* tau of noise that doesn't vary [ns]. */
 double td_additive_noise_tau(const td_additive_noise *noise);

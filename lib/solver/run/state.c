@@ -47,6 +47,7 @@ td_saved_run td_simulator_saved(const tides_simulator *s) {
                           .stepping = &s->stepping,
                           .sensor = &s->sensor.sensor,
                           .maps_checksum = s->sensor.maps_checksum,
+                          .kick_checksum = s->sensor.kick.checksum,
                           .readout = &s->readout.params,
                           .filters = &s->filters.params,
                           .arbiter = s->readout.arbiter,
