@@ -1,6 +1,6 @@
-/* The splats of one 4x4 block, front to back. They are found in the list of the block's tile by a word of bits for each block
- * and 32 places of the list. What the block skips costs next to nothing. Distances in depth are computed for a whole group of
- * splats at once. */
+/* The splats of one 4x4 block, front to back. They are found in the list of the block's tile by a word of bits for each
+ * block and 32 places of the list. Splats that don't touch the block cost next to nothing. Distances in depth are computed
+ * for a whole group of splats at once. */
 #ifndef TD_BLOCK_LIST_H
 #define TD_BLOCK_LIST_H
 

@@ -1,8 +1,8 @@
 /* The image's decisions as code asks for them: a literal where a program is built for one (TD_BUILD_...;
  * lib/render/opencl_build.c lists them), else the image's value. Code that is switched off then comes no further than the
  * compiler's front end. Left to its optimiser, such code took twice as long to build. PoCL also lays out a work-item's
- * variables in memory before it unrolls loops: a struct with an array that a loop goes through stays there, whether or not the
- * loop is ever reached. (sizeof: the image counts as used.) */
+ * variables in memory before it unrolls loops: a struct with an array that a loop goes through stays there, whether or not
+ * the loop is ever reached. TD_BUILT takes the image's size, so that compilers count the image as used. */
 #ifndef TD_CHOICES_H
 #define TD_CHOICES_H
 

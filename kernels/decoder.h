@@ -2,8 +2,9 @@
  *
  *   rgb = out(f_0..2 + W_2 relu(W_1 (f_3..8, centre of the camera, unit direction of the pixel)))
  *
- * with rates by forward mode. `out` is a sigmoid, a clamp to [0, 1], or nothing. Rays are in the object's coordinates, as view
- * directions are. Nothing lies behind: a ray that meets no splat has features 0, and what the network makes of them. */
+ * with rates by forward mode. `out` is a sigmoid, a clamp to [0, 1], or nothing. Rays are in the object's coordinates, as
+ * view directions are. There is no background: a ray that meets no splat has features 0, and shows the network's colour for
+ * these. */
 #ifndef TD_DECODER_H
 #define TD_DECODER_H
 

@@ -76,10 +76,10 @@ typedef struct td_misfit_terms {
     int moves_sh;
 } td_misfit_terms;
 
-/* By how much the cubic through both ends misses the row in the middle: in value, and in rate times half the interval. Where a
- * row is smooth, the rate's part is 0 to leading order. It shows kinks of a network with ReLU a quarter of the interval from
- * the middle, which leave the middle's value right. With this weight the sum bounds the error of the two halves' cubics at a
- * kink, up to a tenth. Smooth rows follow the halves' cubics 16 times better. */
+/* By how much the cubic through both ends misses the row in the middle: in value, and in rate times half the interval. Where
+ * a row is smooth, the rate's part is 0 to leading order. It shows kinks of a network with ReLU a quarter of the interval
+ * from the middle, which leave the middle's value right. With this weight the sum bounds the error of the two halves' cubics
+ * at a kink, to within a tenth. Where rows are smooth, the halves' cubics are 16 times more accurate than the sum says. */
 TD_INLINE td_lanes td_cubic_stray(const td_misfit_terms *terms, td_dual start, td_dual middle, td_dual end) {
     td_dual cubic = td_cubic_at(&terms->middle, start, end);
     return td_fma(td_splat(0.5f * terms->duration), td_size(middle.d - cubic.d), td_size(middle.v - cubic.v));

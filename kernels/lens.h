@@ -194,7 +194,7 @@ TD_INLINE void td_unbend_angle(const td_image *image, td_lanes x, td_lanes y, td
     *a = x * ratio, *b = y * ratio;
 }
 
-/* x/z and y/z of the ray of pixel (u, v) [px]. Where no ray in front of the camera has this pixel, the farthest ray. */
+/* x/z and y/z of the ray of pixel (u, v) [px]; of the farthest ray if no ray in front of the camera reaches this pixel. */
 TD_INLINE void td_ray_of(const td_image *image, td_lanes u, td_lanes v, td_lanes *a, td_lanes *b) {
     td_lanes x = (u - image->cx) / image->fx, y = (v - image->cy) / image->fy;
     *a = x, *b = y;

@@ -209,8 +209,9 @@ TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, c
  * on. It is the possible error of log_luminance within the halves, in tolerances; up to 1 the halves' cubics are accurate
  * enough.
  *
- * Values are compared, and rates over half the piece. Their sum bounds the error of the halves' cubics at a kink, up to a
- * tenth; a smooth path follows its halves' cubics 16 times better. The error from rounding is added to the tolerance. */
+ * Values are compared, and rates over half the piece. Their sum bounds the error of the halves' cubics at a kink, to within
+ * a tenth. On a smooth path, the halves' cubics are 16 times more accurate than the sum says. The error from rounding is added
+ * to the tolerance. */
 TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, TD_GLOBAL const td_real *beside, td_index row, td_real h,
                                   const td_path_terms *terms, const td_image *image) {
     td_lanes start[TD_PATH_STRIDE], middle[TD_PATH_STRIDE], end[TD_PATH_STRIDE];

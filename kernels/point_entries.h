@@ -1,10 +1,10 @@
 /* Entries: the values of a splat that points see, kept in order until all splats are known, for TD_LANES points, a vector for
  * each number. point_splats.h makes them; point_light.h sends light through them.
  *
- * A tile's list has one order for an interval, by the depths in its middle, and a point one by those at its own time. Both are
- * nearly equal, so that an entry's place is mostly the last or near it. But where a surface turns past the camera, all of its
- * splats change places, and each of n would pass some n/2. The order is total, so the result doesn't depend on the way of
- * sorting. */
+ * A tile's list has one order for an interval, by depths in the interval's middle. A point needs the order of depths at its
+ * own time. Both are nearly equal, so that an entry's place is mostly the last or near it. Where a surface turns past the
+ * camera, all of its n splats change places, and each would pass about n/2 others. The order is total, so that the result
+ * doesn't depend on the way of sorting. */
 #ifndef TD_POINT_ENTRIES_H
 #define TD_POINT_ENTRIES_H
 
@@ -115,8 +115,9 @@ typedef struct td_point_order {
     int count, passed, loose;
 } td_point_order;
 
-/* Entries that an entry passes on average before the order counts as useless; so many entries more are allowed for, lest a
- * handful is sorted. A choice: 3 makes no measurable difference. */
+/* If entries pass more than this many others on average, order is given up, and all are sorted at the end. The average is
+ * over the entries and as many more, so that a handful isn't sorted. The number isn't critical: 3 makes no measurable
+ * difference. */
 enum { TD_POINT_PATIENCE = 8 };
 
 /* Adds an entry, in its place, or at the end where all are sorted later. */

@@ -220,8 +220,9 @@ typedef struct td_point_eye {
 #define TD_POINT_OPAQUE 32
 #define TD_POINT_NEVER TD_REAL(1e30)
 
-/* The points whose pixels may see the splat of a place: it has a path where one of these pixels was asked about
- * (lib/render/point_wanted.c). Nobody else sees it, or what a point shows would go by whom else has asked. */
+/* The points whose pixels may see the splat of a place. A splat has a path if a point of one of these pixels was requested
+ * (lib/render/point_wanted.c). Points of other pixels don't see it: otherwise their values would depend on which points were
+ * requested before. */
 TD_INLINE td_mask td_point_within(TD_GLOBAL const int *place, const td_point_eye *eye) {
     const int columns = place[TD_L_COLUMNS], rows = place[TD_L_ROWS];
     return (eye->x > (td_real)(columns % TD_SIGHT_END)) & (eye->x < (td_real)(columns / TD_SIGHT_END)) &
@@ -241,8 +242,8 @@ TD_INLINE void td_point_note(const td_image *image, const td_point_entry *entry,
  * which is longer than the processor's reorder window (1.3 times slower). */
 enum { TD_POINT_BATCH = 64 };
 
-/* Enters the splats found, at places[found[i]], as what the points see: views go where entries will be, which are no more than
- * they. */
+/* Makes entries of the splats at places[found[i]]. Their views are stored where entries will be; there are no more entries
+ * than views. */
 TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image, TD_GLOBAL const int *places, const int *found,
                              int count, const td_real *way, const td_real *rate, const int *curve, const int *together,
                              TD_GLOBAL td_real *entries, td_point_eye *eye) {

@@ -41,9 +41,9 @@ static td_point_paths td_paths_make(__global const td_real *curves, __global con
     return paths;
 }
 
-/* Arrays that points need of the `count` Gaussians in `seen`, whose paths are `own` and whose pixels `own_sights`: curves, of
- * which c, counted from `from` on, goes from row[2 c] to row[2 c + 1], lengths[c] seconds apart; depths (Gaussians) to sort by;
- * `records` of tests; `path` and `sights` (2 x Gaussians), where their paths and pixels are looked for. */
+/* Makes the arrays that points read, for the `count` Gaussians in `seen`. `own`: their paths; `own_sights`: their pixels.
+ * Curve c, counted from `from` on, goes from row[2 c] to row[2 c + 1] in lengths[c] seconds. `depths` has a number for each
+ * Gaussian, to sort by, and `records` has its tests. `path` and `sights` (2 x Gaussians) get paths and pixels, by Gaussian. */
 typedef struct td_splats_to_make {
     __global const td_real *rows, *rows_beside, *lengths;
     __global const int *row, *seen, *own, *own_sights;
@@ -128,8 +128,8 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
     td_splats_apart(image_buffer, &paths, &what);
 }
 
-/* Misfits of paths of one level, TD_LANES at a time, as multiples of `target`. misfits[i] is the worst of path i. Where
- * asks_each, curve k's own misfit is `stride` x (k + 1) behind it. */
+/* Misfits of paths of one level, TD_LANES at a time, as multiples of `target`. misfits[i] is the worst of path i. If
+ * asks_each, misfits[i + stride (k + 1)] is the misfit of its curve k. */
 TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows,
                                __global const td_real *beside, __global const int *first, td_share groups, int level,
                                __global const td_real *lengths, int pieces, td_real target, td_real rounding,
@@ -178,7 +178,7 @@ TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_m
     const int me = of.item, items = of.items, slices = of.slices;
     __global const int *candidates = of.candidates + tile.first;
     __global long *own = of.keys + 2 * (long)tile.first;
-    int keys = items > 1 ? tile.count : 0; /* an item alone leaves out those without */
+    int keys = items > 1 ? tile.count : 0; /* a single work-item leaves out candidates without a path */
     for (int i = me; i < tile.count; i += items) {
         const int gaussian = candidates[i], there = gaussian >= 0 && of.path[gaussian] >= 0;
         const long key = there ? ((long)of.depths[gaussian] << 32) | (long)i : TD_LAST_KEY;

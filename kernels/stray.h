@@ -1,9 +1,9 @@
 /* Strays: how far an object's path deviates from the cubic through an interval's ends. The host bounds them path by path
  * (lib/render/dynamic/stray.c); here they become errors on the screen.
  *
- * A view maps a point p of the object to R p + t. A sweep takes each entry of R and t for the cubic through both ends and their
- * rates. Where the path deviates in between, such as a vibration that begins and ends at rest, a point is off by |(dt + dR
- * origin) + dR (p - origin)|. That is at most position + rotation |p - origin|. */
+ * A view maps a point p of the object to R p + t. A sweep treats each entry of R and t as the cubic through both ends and
+ * their rates. Where the path deviates in between, such as a vibration that begins and ends at rest, a point is off by |(dt
+ * + dR origin) + dR (p - origin)|. That is at most position + rotation |p - origin|. */
 #ifndef TD_STRAY_H
 #define TD_STRAY_H
 

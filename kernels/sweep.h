@@ -31,7 +31,7 @@ typedef struct td_interval {
 typedef struct td_swept {
     td_lanes x0, y0, x1, y1; /* empty: x0 > x1 */
     td_lanes travel;         /* the greatest of all pieces, in diameters */
-    td_lanes pieces;         /* number of pieces asked for by other reasons */
+    td_lanes pieces;         /* number of pieces asked for, other than by travel */
     td_lanes peak;           /* greatest opacity of the samples */
     td_lanes z0, z1;         /* camera z, least and greatest */
     td_mask crosses;         /* passes the near plane */
@@ -217,7 +217,8 @@ typedef struct td_span2 {
     td_lanes x0, y0, x1, y1;
 } td_span2;
 
-/* Pixels per unit of scene at depth 1, over the focal length, at most, at x and y focal lengths from the principal point. */
+/* Upper bound, over the focal length, of the pixels that a scene unit covers in the piece, for points that are x and y focal
+ * lengths off the principal point. */
 TD_INLINE td_lanes td_sweep_tilt(const td_piece *piece, const td_image *image, td_lanes x, td_lanes y) {
     td_lanes nearest = td_larger(piece->z0, td_splat(image->near));
     if (td_lens_model(image)) {

@@ -29,9 +29,9 @@ enum {
 
 enum { TD_TRUTH_OBJECTS = 8 }; /* objects whose weights are summed in one pass over the splats */
 
-/* A splat seen at d^T Q d, with Q of the dilated splat, is at most this factor farther out in its Gaussian, in squares. This
- * fails only for splats thinner than 0.3 px, which dilation shows where they are not: a disc seen from its edge would reach to
- * the horizon. MIDDLE is added for rounding of 0 in single precision. */
+/* Limit of |xi|^2 over d^T Q d at the pixel, with Q of the dilated splat. Only splats thinner than 0.3 px exceed it.
+ * Dilation shows these where they are not: a disc seen from its edge would reach to the horizon. MIDDLE is added to d^T Q d
+ * for rounding of 0 in single precision. */
 #define TD_TRUTH_REACH TD_REAL(4.0)
 #define TD_TRUTH_MIDDLE TD_REAL(1e-3)
 

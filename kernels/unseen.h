@@ -1,4 +1,4 @@
-/* Into how many pieces an interval must be cut, so that samples show all that a splat does in it.
+/* Computes into how many pieces an interval must be cut, so that samples show all that a splat does in it.
  *
  * The number is given as `travel`, in diameters. The step controller halves steps until a splat travels less than half a
  * diameter in each, so that n pieces are asked for by a travel of n / 2. Motion that is smooth within the interval asks for no

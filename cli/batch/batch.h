@@ -2,10 +2,10 @@
  * continued.
  *
  * A folder DIR/NAME holds job.json (what was started) and run.json (the run file with every value). It has events.h5 and
- * stats.json, or with dataset.layout dataset/, or the output of the run's command, and log.txt. When the run has ended it has
- * result.json, or failure.json (job.json and "error"). These carry a hash of the resolved run, its command and the files that
- * it reads. A result with the run's hash is skipped, and a checkpoint under a job with the run's hash is continued. Otherwise
- * the run starts anew. */
+ * stats.json, or with dataset.layout dataset/, or the output of the run's command, and log.txt. When the run has ended it
+ * has result.json, or failure.json (job.json and "error"). These carry a hash of the resolved run, its command and the files
+ * that it reads. A run that has a result with its hash is skipped. A run that has a checkpoint, and a job.json with its
+ * hash, is continued. Any other run starts anew. */
 #ifndef CLI_BATCH_H
 #define CLI_BATCH_H
 

@@ -1,5 +1,5 @@
 /* Reads the manifest of a batch: a base run, a grid over its keys, random draws, a list of runs, or several of these. Makes
- * runs with names of it. */
+ * its runs, and names them. */
 #include "batch.h"
 
 #include <ctype.h>

@@ -88,7 +88,7 @@ typedef struct bench_row {
     char scene[64];
     const char *method, *unit, *image;
     double setting;
-    double frames;     /* times that equal steps ask for; `renders` is less where still tiles are skipped. 0: other steps */
+    double frames;     /* renders of equal steps; `renders` is less if still tiles are skipped. 0: other steps */
     double run_time_s; /* of tides_simulator_run without kernel builds; the least of `runs` */
     double all_threads_s, own_thread_s; /* processor time of the last run with kernel builds: all threads', and the caller's */
     int32_t runs;

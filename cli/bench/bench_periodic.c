@@ -53,7 +53,7 @@ tides_status bench_vibrating_path(const bench_vibration *v, double stop, tides_t
 /* The constant band of SH: a colour is 1/2 + SH0 sh. */
 #define SH0 0.28209479177387814
 
-/* Copies every splat to every key, with its colour multiplied by `light`: 1/2 + SH0 sh is, and so are the other bands. */
+/* Makes one key: every splat with its colour, 1/2 + SH0 sh, and its other bands multiplied by `light`. */
 static void light_up(const tides_gaussians *g, float light, float *mean, float *quaternion, float *sh) {
     const size_t n = (size_t)g->count, bands = (size_t)(g->sh_degree + 1) * (size_t)(g->sh_degree + 1);
     memcpy(mean, g->mean, 3 * n * sizeof *mean);

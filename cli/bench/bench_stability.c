@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* [s] A row that takes longer is taken to hang: the slowest that pass take a third of it on two cores. */
+/* A row that takes longer [s] counts as one that hangs. The slowest rows that pass take a third of this on two cores. */
 #define LIMIT_S 120.0
 #define BIG_LIMIT_S 1200.0
 

@@ -24,8 +24,7 @@ static void add_cloud(stability_pile *pile, int64_t count) {
     }
 }
 
-/* A lamp: one splat over the whole view, whose colour goes up and down between 0 and 1 `swings` times, by keyframes. With a
- * threshold of `swing` / 500 each pixel has so many events up and down. */
+/* A lamp: one splat over the whole view. Its colour goes from dark to light or back `swings` times in the run, by keyframes. */
 static tides_status flicker(stability_world *w, double swings, tides_error *error) {
     enum { KEYS_MAX = 128 };
     double time[KEYS_MAX];
@@ -55,7 +54,7 @@ static tides_status flicker(stability_world *w, double swings, tides_error *erro
     return status;
 }
 
-/* A hundred thousand events in each of twelve pixels. */
+/* About `per_pixel` events in each of twelve pixels. */
 static tides_status many_events(stability_world *w, double per_pixel, tides_error *error) {
     enum { SWINGS = 50 };
     set_sensor(w, 4, 3);

@@ -97,7 +97,8 @@ static tides_status decoder(double size, stability_world *w, tides_error *error)
 }
 
 /* A deformation network of time: a hidden layer with ReLU, a second one that sums it, and x / (1 + |x|). Weights are within
- * +-size, and kinks spread over a second around the run. So it has kinks, and turns within microseconds. */
+ * +-size, and kinks of the ReLUs spread over a second around the run. So the motion has kinks, and turns within
+ * microseconds. */
 enum { HIDDEN = 16 };
 typedef struct network {
     double in[HIDDEN], knee[HIDDEN], out[3][HIDDEN];

@@ -104,7 +104,7 @@ static int parse_options(const cli_command *command, const arguments *given, tid
     if (code == CLI_GO) code = parse_positive(command, "--speed", given->speed, &options->speed_px_per_s);
     if (code == CLI_GO) code = parse_positive(command, "--clock", given->clock, &options->clock_s);
     if (code != CLI_GO || (!given->from && !given->to)) return code;
-    /* Where one end isn't given, it is 73 years from 0, the limit of times. */
+    /* An end that isn't given is 2^61 ns (73 years) from 0, the limit of times. */
     options->start_ns = INT64_C(-2305843009213693952);
     options->stop_ns = INT64_C(2305843009213693952);
     code = parse_time(command, "--from", given->from, &options->start_ns);

@@ -4,7 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The operand where none is given: frames or a scene that --set names, which is removed from the list. NULL: none. */
+/* The operand if the command line has none: the frames or scene that --set names, which is removed from the list. NULL:
+ * --set names none either. */
 static const char *operand_of(cli_list *sets, int32_t *names_scene) {
     static const char *const keys[] = {"frames.file=", "scene.file="};
     const char *operand = NULL;

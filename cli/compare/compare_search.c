@@ -1,6 +1,6 @@
 /* Finds each method's best parameters. They are varied one at a time, by factors, while that brings the stream closer to the
- * recording by the Victor-Purpura fraction. This score ranks right under every known degradation. All methods, TIDES too, have
- * the same number of runs. Parameters that are 0 aren't varied. */
+ * recording by the Victor-Purpura fraction. This score ranks streams correctly under every known degradation. All methods,
+ * TIDES too, have the same number of runs. Parameters that are 0 aren't varied. */
 #include "compare.h"
 
 #include <math.h>

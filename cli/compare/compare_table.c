@@ -1,8 +1,8 @@
 /* The tables of a comparison: one for each reference, a line for each stream, as text, as HTML and in LaTeX.
  *
- * Scores of a recording are ordered by a test of what they see (tests/golden/test_scores.c): first those that rank right under
- * every known degradation, then those that see some. A score that improves when the number of events is wrong is in brackets,
- * if numbers differ by more than a quarter. */
+ * Scores against a recording are in the order that a test found (tests/golden/test_scores.c): first those that rank streams
+ * correctly under every known degradation, then those that do so under some. A score that improves when the number of events
+ * is wrong is in brackets, if numbers differ by more than a quarter. */
 #include "compare.h"
 #include "html.h"
 

@@ -15,12 +15,12 @@
 #define CLI_PRINTF(text, first)
 #endif
 
-/* Results of parsing. CLI_OK, CLI_FAILED and CLI_USAGE are exit codes. CLI_GO: the command should run. CLI_DESCRIBED:
- * --help=KIND was answered, and the command should end. */
 /* A constant's value as text, for help. */
 #define CLI_TEXT_OF(constant) CLI_TEXT_AS_IS(constant)
 #define CLI_TEXT_AS_IS(text) #text
 
+/* Results of parsing. CLI_OK, CLI_FAILED and CLI_USAGE are exit codes. CLI_GO: the command should run. CLI_DESCRIBED:
+ * --help=KIND was answered, and the command should end. */
 enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_GO = -1, CLI_DESCRIBED = -2 };
 
 /* Options of every command. */

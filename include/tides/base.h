@@ -100,8 +100,8 @@ typedef int (*tides_progress)(void *user, double fraction, const char *stage);
 TIDES_MUST_CHECK TIDES_API tides_status tides_file_foreign(const char *path, tides_error *error);
 
 /* How the library writes files: PATH holds the old bytes or the new ones, never a part, whatever fails:
- *   - bytes go to PATH.part beside it, which is synchronised to disk (fsync) and renamed, and then its folder. A failure leaves
- *     PATH as it was, and removes PATH.part, except for recordings of events: those keep PATH.part, and the error says so;
+ *   - bytes go to PATH.part beside it, which is synchronised to disk (fsync) and renamed; then the folder is synchronised. A
+ *     failure leaves PATH as it was, and removes PATH.part. Recordings of events keep PATH.part, and the error says so;
  *   - an existing PATH.part is used if it is a plain file of the caller's user without other names, as a stopped run leaves it.
  *     Else it is refused, because in a folder that others may write, their link could lead anywhere;
  *   - if PATH is a link, its target is written so, even if it doesn't exist yet, and the link stays;

@@ -1,5 +1,5 @@
-/* The simulators that people compare with, on frames: ESIM, v2e, DVS-Voltmeter, IEBCS, and V2CE's sampler LDATI. And TIDES's
- * own sensor on frames, between which its logarithm is a straight line.
+/* The simulators that people compare with, on frames: ESIM, v2e, DVS-Voltmeter, IEBCS, and V2CE's sampler LDATI. TIDES's own
+ * sensor is a method too: between two frames the logarithm of luminance is a straight line.
  *
  * Written from their published algorithms (equations, not code), each with its own parameters, names and defaults. Known
  * defects of an original are left out, unless a parameter asks for them. Random numbers come from the seed, the pixel and a
@@ -125,10 +125,11 @@ TIDES_API double tides_esim_next_time(const tides_esim *esim, double time, doubl
 
 /* The source of a run's frames: a sequence or a renderer. */
 typedef struct tides_frame_supply {
-    tides_frames *frames;     /* a sequence, whose frames (LDATI: intervals) within [start, stop] are used; or NULL, and */
-    tides_renderer *renderer; /* a renderer, */
-    const tides_trajectory *camera; /* its camera, */
-    /* and renders per second [Hz]: the first at `start`, the last at `stop`; ESIM's adaptive sampling doesn't read it */
+    tides_frames *frames;           /* a sequence, of which frames (LDATI: intervals) within [start, stop] are used; or NULL */
+    tides_renderer *renderer;       /* if `frames` is NULL: a renderer */
+    const tides_trajectory *camera; /* the renderer's camera */
+    /* the renderer's renders per second [Hz]: the first at `start`, the last at `stop`; ESIM's adaptive sampling doesn't
+     * read it */
     double frames_per_second;
     double start, stop; /* [s] */
 } tides_frame_supply;

@@ -53,12 +53,12 @@ typedef struct tides_event_format {
 /* Format number `index`, from 0; texts are constant. Returns 1, or 0 if there is none. */
 TIDES_API int32_t tides_event_format_at(size_t index, tides_event_format *format);
 
-/* Starts an event file in the named format, or where `format` is NULL in that of the path's ending (tides_event_format_at; HDF5
- * without one). Every format is streamed, floors times to its tick, bridges the turns of its clock by its own rule, and is
- * written as `path` + ".part", renamed by _finish: `path` is either the old file or a complete new one; flushed events stay
- * readable in the .part. HDF5, the native one: the DSEC layout (events/{p,t,x,y}, ms_to_idx, t_offset), with events/t_ns and
- * our attributes added (lib/events/events_hdf5.c). TIDES_UNSUPPORTED: the format isn't written, or the sensor is too large for
- * it. */
+/* Starts an event file in the named format, or if `format` is NULL in that of the path's ending (HDF5 for a path without
+ * one). tides_event_format_at lists formats. Every format is streamed, floors times to its tick, and bridges the turns of
+ * its clock by its own rule. The file is written as `path` + ".part", and _finish renames it. So `path` is either the old
+ * file or a complete new one; flushed events stay readable in the .part. HDF5, the native format, has the DSEC layout
+ * (events/{p,t,x,y}, ms_to_idx, t_offset), with events/t_ns and attributes of TIDES added. TIDES_UNSUPPORTED: the format
+ * isn't written, or the sensor is too large for it. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open(const char *path, const char *format,
                                                                 const tides_event_file *file, tides_event_writer **writer,
                                                                 tides_error *error);
@@ -129,9 +129,9 @@ typedef struct tides_event_reading {
     /* 1: invalid events (outside the sensor, a wrong polarity, NaN) are left out and counted in the facts; 0: they fail */
     int32_t drop_invalid;
     const char *format;  /* a name; NULL: by content */
-    const char *columns; /* of text and tables: "t,x,y,p", "-,x,y,p,t" ("-" isn't read); NULL: as their header says, else as
-                             their values can only be meant */
-    const char *unit;    /* of the times: "s", "ms", "us", "ns"; NULL: as format or header say, else as values can be meant */
+    const char *columns; /* of text and tables: "t,x,y,p", "-,x,y,p,t" ("-" isn't read); NULL: as their header says, else the
+                          * only order that their values allow */
+    const char *unit;    /* of the times: "s", "ms", "us", "ns"; NULL: as format or header say, else found from the values */
     const char *stream;  /* name of one of the file's streams, which errors list; NULL: the only one */
     int64_t offset_ns;   /* added to all times, after `rebase` */
     int32_t rebase;      /* 1: times count from the recording's zero (tides_event_facts.zero_ns) */
@@ -146,9 +146,9 @@ typedef struct tides_event_reader tides_event_reader;
 
 /* Opens an event file of any format, found from what it holds, or of the named format. Events come in the file's order, in
  * nanoseconds on the file's clock. A folder may be named too: a sequence of DSEC, EDS, ECD, MVSEC, BlinkFlow, HS-ERGB or
- * BS-ERGB, or numbered .npz of rpg_vid2e, whose files are read one after the other (lib/events/event_folder.c has the layouts);
- * where it holds both cameras of DSEC, name one. TIDES_FILE_NOT_FOUND (no file, or a folder without any of these),
- * TIDES_BAD_FILE (no event file, or a damaged one), TIDES_UNSUPPORTED. A reader is for one thread at a time. */
+ * BS-ERGB, or numbered .npz of rpg_vid2e, whose files are read one after the other. If it holds both cameras of DSEC, name
+ * one. TIDES_FILE_NOT_FOUND (no file, or a folder without any of these), TIDES_BAD_FILE (no event file, or a damaged one),
+ * TIDES_UNSUPPORTED. A reader is for one thread at a time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format,
                                                                 tides_event_reader **reader, tides_error *error);
 

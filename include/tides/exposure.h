@@ -39,8 +39,8 @@ TIDES_API void tides_exposure_defaults(tides_exposure *exposure);
 /* Planes of a frame's light and values: 1 (Y) or 3 (r, g, b). */
 TIDES_API int32_t tides_exposure_planes(const tides_exposure *exposure);
 
-/* When a row is exposed, of a frame of `height` rows at `time` [s]: from `start` to `stop`, each nullable. _span: when any of
- * its rows is. */
+/* The exposure of a row, in a frame of `height` rows at `time` [s]: from `start` to `stop`, each nullable. _span: from the
+ * first start to the last stop of all its rows. */
 TIDES_API void tides_exposure_row(const tides_exposure *exposure, int32_t height, double time, int32_t row, double *start,
                                   double *stop);
 TIDES_API void tides_exposure_span(const tides_exposure *exposure, int32_t height, double time, double *start, double *stop);

@@ -2,9 +2,9 @@
  * its time. It decides at once, from earlier events only, so a stream may be cut anywhere, and memory depends only on the
  * sensor's size.
  *
- * In this order, each seeing what the one before it let pass. The order of AFK, trail and ERC is that of Prophesee's manual
- * (docs.prophesee.ai, hw/manuals/esp); where its activity filter stands isn't published, and no camera has background and the
- * others. t is the event's time, p its polarity, "before" is at that filter's input.
+ * Filters work in this order; each sees only the events that the one before it passed. The order of AFK, trail and ERC is that
+ * of Prophesee's manual (docs.prophesee.ai, hw/manuals/esp). The place of its activity filter isn't published, and no camera
+ * has background and the others. t is the event's time, p its polarity; "before" is at that filter's input.
  *
  *   BACKGROUND   passes where at least `background_support` of the 8 neighbours had an event, of any polarity, at or after
  *                t - background_s (Metavision's activity noise filter; libcaer's and jAER's background activity filters)
@@ -13,12 +13,13 @@
  *                activity_high_stop. It begins dropping where there is a lower bound (Metavision's HAL,
  *                I_EventRateActivityFilterModule)
  *   AFK          anti-flicker. A cell of afk_cell_px squared turns to a polarity where its event before had the other (the
- *                first event turns to its own). With v from its turn to this polarity before, its counter goes up by 1 where
- *                1 / afk_high_hz <= v <= 1 / afk_low_hz, else down by 1, within 0 to 7. It flickers from afk_start on and until
- *                the counter is at afk_stop or below. BAND_STOP drops the events of cells that flicker, BAND_PASS all others.
- *                (Bounds, cells and the counter's numbers are Prophesee's; how it counts isn't published, and ours.)
- *   TRAIL        by pixel, with L the time of its event before and q that one's polarity (Metavision's trail and
- *                spatio-temporal contrast filters):
+ *                first event turns to its own). v is the time since its turn before to this polarity. The cell's counter goes
+ *                up by 1 where 1 / afk_high_hz <= v <= 1 / afk_low_hz, else down by 1, within 0 to 7. The cell flickers from
+ *                the time when the counter reaches afk_start until it is at afk_stop or below. BAND_STOP drops the events of
+ *                cells that flicker, BAND_PASS all others. (Bounds, cells and the counter's numbers are Prophesee's; the rule
+ *                by which it counts isn't published, and is TIDES's own.)
+ *   TRAIL        by pixel; L and q are time and polarity of its event before (Metavision's trail and spatio-temporal contrast
+ *                filters):
  *                  TRAIL      passes where p != q or t - L >= trail_s
  *                  STC_CUT    where p != q the event is dropped and arms the pixel; else it passes where the pixel is armed and
  *                             t - L <= trail_s, and disarms it: the second event of a burst alone

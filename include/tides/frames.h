@@ -9,10 +9,10 @@ extern "C" {
 #endif
 
 /* How stored values become luminance (TIDES_TRANSFER_LINEAR or _SRGB): sRGB-encoded ones are decoded before r, g and b are
- * weighed. options->full_scale is the stored value that stands for 1. Without it integers count to their type's largest value,
- * floats to 1, or to 255 where they are whole numbers beyond 16 up to there (tides_frames_note says so). Other values need the
- * option, else TIDES_BAD_CONFIG: integers of 16 bits or more that fill less than a quarter of their range (10 bits, say),
- * floats beyond 16, and whole ones from 2 to 16.
+ * weighed. options->full_scale is the stored value that stands for 1. Without it, light 1 is the largest value of an integer
+ * type, and 1 for floats. Floats that are whole numbers, the largest above 16 and at most 255, count to 255 (tides_frames_note
+ * says so). Other values need the option, else TIDES_BAD_CONFIG: integers of 16 bits or more that fill less than a quarter of
+ * their range (10 bits, say), floats beyond 16, and whole ones from 2 to 16.
  *
  * Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709, luminance, full scale as the
  * values tell. */

@@ -47,9 +47,9 @@ TIDES_API void tides_live_options_defaults(tides_live_options *options);
 
 /* Opens a live run of the session's scene, with its values, from time.start; `options` is nullable. Open paths begin at the
  * pose and rates of the run's own path at that time (objects at rest: at the identity). The session must outlive the live
- * run, which doesn't use it any more. So several live runs of a session may run at once, in threads of their own.
- * TIDES_UNSUPPORTED naming the key: a method that sees frames, and sensor.truth. TIDES_OUT_OF_RANGE: another path ends before
- * the run begins. */
+ * run, which borrows its scene and device, and changes neither. So several live runs of a session may run at once, in
+ * threads of their own. TIDES_UNSUPPORTED naming the key: a method that sees frames, and sensor.truth. TIDES_OUT_OF_RANGE:
+ * another path ends before the run begins. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_live_open(tides_session *session, const tides_live_options *options,
                                                         tides_progress progress, void *user, tides_live **live,
                                                         tides_error *error);

@@ -62,24 +62,25 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_exact(tides_session *sessi
 enum {
     /* the method's thresholds are the run's (sensor.threshold_on and _off), if it has keys for them and the run gives none */
     TIDES_IDEAL_THRESHOLDS = 1,
-    /* the same in any case, its logarithm is the run's, and all that ideal pixels lack is off: noise, spread, latency,
-     * low-pass, refractory period, readout */
+    /* the method's thresholds and its logarithm are the run's in any case. Noise, spread, latency, low-pass, refractory period
+     * and readout, which ideal pixels lack, are off */
     TIDES_IDEAL_PIXEL = 2,
     /* the run's sensor in the method's parameters, as far as they allow, except keys that the run gives: thresholds and their
      * spread, black level, low-pass, refractory period, leak and noise */
     TIDES_IDEAL_SENSOR = 4
 };
 
-/* The run's sensor in parameters of the others (TIDES_IDEAL_SENSOR), where these aren't the same by another name:
+/* TIDES_IDEAL_SENSOR translates the run's sensor into the method's parameters. Parameters that are the same by another name
+ * are copied; the others are:
  *   esim           spread 0: its own is drawn anew at each frame, and loses events. No low-pass, leak, or noise
- *   v2e            its pole goes with light, another is met at Y = 0.18. It has no black level: the frames get it
+ *   v2e            its pole goes with light; a constant pole is met at Y = 0.18. v2e has no black level: the frames get it
  *                  (added_dn = 255 log_eps)
  *   dvs-voltmeter  k1 = 2 / (C_on + C_off), k2 = 255 log_eps, k4 = leak, and k6 from noise: a Brownian motion of k6 leaves +-1
  *                  k6^2 times per us; k3 and k5 go with light and are 0. No low-pass, spread, or refractory period
  *   iebcs          scale = 1 / log_eps, tau as v2e's pole, no latency but the low-pass's; leak and half the noise are its ON
  *                  noise, half the noise its OFF noise, each periodic
  *
- * Overrides ("method=v2e", "v2e.pos_thres=0.2" ...) that take `method` in place of the run's own and make it so. Limits: v2e's
+ * Makes overrides ("method=v2e", "v2e.pos_thres=0.2" ...) that set `method` and the settings of `what`. Limits: v2e's
  * logarithm stays linear below DN 20; IEBCS needs a time constant (as short at Y = 1 as its own) and a microsecond of
  * refractory period; DVS-Voltmeter has one threshold for both polarities (the mean). The caller frees `texts` (count) with
  * tides_free, texts and all. TIDES_BAD_ARGUMENT naming the methods. */

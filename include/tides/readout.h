@@ -14,9 +14,9 @@
  * Two kinds have no ticks: they follow what a chip's arbiter does, and know nothing of activity (k0, tick_s, beta_k, eta and
  * gamma_sigma_s aren't read).
  *
- *   REQUESTED    one queue per row, which asks for the bus when something waits in it. A bus that is free is given at once to
- *                the first row, after the one that had it last and going round, that asks. row_s later the row is latched: all
- *                that has fired in it by then is read, event_s each, and the bus is free again after the last (whole
+ *   REQUESTED    one queue per row, which asks for the bus when something waits in it. A free bus is given at once to the
+ *                next row that asks, going round from the row that had it last. row_s later the row is latched: all that has
+ *                fired in it by then is read, event_s each, and the bus is free again after the last (whole
  *                nanoseconds, rounded up). Event k of the reading, from 0 on in the order of firing, is stamped k + 1 event_s
  *                after the latch, floored (STAMP_EVENT), or all with the latch (STAMP_ROW, as EVT 3 chips do, whose row is one
  *                vector).
@@ -26,8 +26,8 @@
  *                max(frame_s, n event_s); the frame after one that lasts longer begins when it is over.
  *
  * psi_m in [0, 1] is a tile's activity (tides_arbiter_activity). Events are dropped on arrival with probability p0 + eta psi_m,
- * and where a queue is full. When an event leaves gets jitter on top, of standard deviation sigma = sigma0 + gamma_sigma psi_m
- * by either law. Jitter is of the time stamp alone: queues, ticks and delays are as without it.
+ * and where a queue is full. The time stamp of an event that leaves gets jitter, of standard deviation sigma = sigma0 +
+ * gamma_sigma psi_m by either law. Queues, ticks and delays are as without jitter.
  *
  *   GAUSSIAN     normal, of mean 0 (the paper's): a stamp may come before its event fired, and events change places
  *   DELAY        never early: |n| sigma / sqrt(1 - 2 / pi), n normal, which is 1.32 sigma late on average

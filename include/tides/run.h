@@ -93,7 +93,7 @@ typedef struct tides_run_values {
     int32_t event_truth;                                           /* 1: event files get ground truth (tides_session_truth) */
     int32_t truth_metres;                                          /* 1: its depths are in metres */
     const char *truth_columns;                                     /* "flow,depth,alpha,instance", or some of these */
-    int32_t track_choice;                                          /* which of them: TIDES_TRACKS_* */
+    int32_t track_choice;                                          /* TIDES_TRACKS_*: how tracked points are chosen */
     int32_t track_count;                                           /* points to follow (tides_session_tracks) */
     double track_rate_hz;                                          /* of tracks [Hz] */
     tides_exposure exposure;                                       /* of frames (tides_session_frames) */

@@ -99,51 +99,51 @@ typedef struct tides_session_taken {
     int32_t reserved;
 } tides_session_taken;
 
-/* Frames of the run's scene as exposure.* says, into the folder `path`, which is made unless it is there: frame_000000.png ..,
- * timestamps.txt, a line per frame with its time [s], the middle of its exposure, and exposure_timestamps.txt with when that
- * began and ended [s], from the first row's to the last one's. The optics' blur is the sensor's. `done` is nullable;
- * TIDES_CANCELLED leaves the frames so far, and no times. TIDES_BAD_CONFIG: not one exposure fits into the run.
- * TIDES_UNSUPPORTED for runs on frames. */
+/* Writes frames of the run's scene, as exposure.* says, into the folder `path`, which is made if it doesn't exist.
+ * frame_000000.png .. are the frames. timestamps.txt has a line per frame: its time [s], the middle of its exposure.
+ * exposure_timestamps.txt has the exposure's begin and end [s], over all rows. The optics' blur is the sensor's. `done` is
+ * nullable. TIDES_CANCELLED leaves the frames so far, and no times. TIDES_BAD_CONFIG: not one exposure fits into the run.
+ * TIDES_UNSUPPORTED: the run is on frames. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress,
                                                              void *user, tides_session_taken *done, tides_error *error);
 
-/* Samples of an IMU from time.start to time.stop, by imu.*. It sits where a calibration has it (T_cam_imu of rig.file, or
- * EuRoC's folder of camera.file), else in the camera's place, with its axes. .csv has EuRoC's columns [ns, rad/s, m/s^2], .txt
- * ECD's [s, m/s^2, rad/s], with the biases that are in it in NAME_bias.csv or .txt beside; .npz has all of tides_imu_sample.
- * `done` is nullable. As tides_trajectory_imu; TIDES_UNSUPPORTED: another ending, a run on frames. */
+/* Writes samples of an IMU from time.start to time.stop, by imu.*. The IMU is where a calibration has it (T_cam_imu of
+ * rig.file, or EuRoC's folder of camera.file); else at the camera, with its axes. .csv has EuRoC's columns [ns, rad/s,
+ * m/s^2], .txt ECD's [s, m/s^2, rad/s]; the biases in them are in NAME_bias.csv or .txt beside. .npz has all of
+ * tides_imu_sample. `done` is nullable. Fails like tides_trajectory_imu. TIDES_UNSUPPORTED: another ending, or the run is on
+ * frames. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_imu(tides_session *session, const char *path, tides_session_taken *done,
                                                           tides_error *error);
 
-/* Points of the run's scene, followed: tracks.count of them, chosen where something is seen at eight times from time.start to
- * time.stop, by the run's seed; where each is and whether it is seen, at tracks.rate_hz. .npz has t (times) [s], uv (times x
- * tracks x 2) [px], depth (times x tracks) [scene units], visible, object and gaussian (tracks), and query (tracks x 3), when
- * and where each was chosen; .csv has a line for each time and track; .npy is Kubric's annotations, a
- * pickled dict of target_points (tracks x times x 2) [px], where not known as last known, and occluded (tracks x times), 1 also
- * outside of the image. `done` is nullable. TIDES_BAD_CONFIG: nothing is seen. */
+/* Writes tracks of tracks.count points of the run's scene. They are chosen by the run's seed, where something is seen at
+ * eight times from time.start to time.stop, and followed at tracks.rate_hz. .npz has t (times) [s], uv (times x tracks x 2)
+ * [px], depth (times x tracks) [scene units], visible (times x tracks), object and gaussian (tracks), and query (tracks x
+ * 3), the time and place at which each was chosen. .csv has a line for each time and track. .npy is Kubric's annotations, a
+ * pickled dict: target_points (tracks x times x 2) [px], the last known place where unknown; and occluded (tracks x times),
+ * 1 also outside of the image. `done` is nullable. TIDES_BAD_CONFIG: nothing is seen. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_tracks(tides_session *session, const char *path, tides_progress progress,
                                                              void *user, tides_session_taken *done, tides_error *error);
 
 /* -- into a file --------------------------------------------------------------------------------------------------------- */
 
 /* Adds ground truth to a finished HDF5 recording of this session's run, as columns beside its events: /events/flow_u, flow_v
- * [px/s], depth [scene units], alpha, instance (tides_event_truth), each at the time that its event fired; columns that are
- * there are replaced. It takes a copy of the file, and one block of pixels rendered for each event. tides_session_write does
- * this where sensor.truth is set. A failure leaves the file as it was; TIDES_UNSUPPORTED for other formats, and for runs on
- * frames. */
+ * [px/s], depth [scene units], alpha, instance (tides_event_truth), each at the time when its event fired. Existing columns
+ * are replaced. It copies the file, and renders one block of pixels for each event. With sensor.truth, tides_session_write
+ * does this. A failure leaves the file as it was. TIDES_UNSUPPORTED: another format, or the run is on frames. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_truth(tides_session *session, const char *path, tides_progress progress,
                                                             void *user, tides_error *error);
 
-/* [s] of wall time between checkpoints where nothing else is asked for: what a crash may cost at most, at well below a percent
- * of a run's time. */
+/* Default of the wall time between checkpoints [s], which a crash may cost. Checkpoints then take well below a percent of a
+ * run's time. */
 #define TIDES_CHECKPOINT_S 30
 
 /* How events go into a file; fill with tides_recording_defaults (the ending's format, from the start, TIDES_CHECKPOINT_S). */
 typedef struct tides_recording {
     uint32_t size;
-    int32_t resume;          /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */
+    int32_t resume;          /* 1: continue from PATH.checkpoint, with the PATH.part beside it */
     const char *format;      /* of tides_event_format_at; NULL: that of the path's ending */
-    double checkpoint_s;     /* [s] of wall time between checkpoints; 0: none, nor where the run is stopped */
-    int32_t keep_checkpoint; /* 1: PATH.checkpoint stays beside the finished PATH: `resume` with a later stop goes on from it */
+    double checkpoint_s;     /* [s] of wall time between checkpoints; 0: none, also none where the run is stopped */
+    int32_t keep_checkpoint; /* 1: PATH.checkpoint stays beside the finished PATH; `resume` with a later stop extends it */
     int32_t reserved;
 } tides_recording;
 TIDES_API void tides_recording_defaults(tides_recording *recording);
@@ -152,28 +152,28 @@ TIDES_API void tides_recording_defaults(tides_recording *recording);
 typedef struct tides_recorded {
     uint64_t events;     /* in the file so far */
     uint64_t collapsed;  /* tides_event_writer_collapsed */
-    double resumed_s;    /* [s] since the run's start where it went on; 0: from the start */
+    double resumed_s;    /* [s] since the run's start at which it was resumed; 0: not resumed */
     int32_t began;       /* 1: the file is open; PATH.part holds its events should the run be stopped */
     int32_t complete;    /* 1: PATH is there */
-    int32_t saved;       /* 1: the last checkpoint was written: `resume` goes on from it */
-    tides_error unsaved; /* why a checkpoint couldn't be, for the first time; the run goes on */
+    int32_t saved;       /* 1: the last checkpoint was written, so that `resume` can continue from it */
+    tides_error unsaved; /* the first failure to write a checkpoint; the run goes on */
 } tides_recorded;
 
-/* Runs it whole into an event file of any format, with all facts of the run that the format can hold. `how` and what follows
- * are nullable. While it runs, and where it is stopped (TIDES_CANCELLED) or dies, PATH.part holds the events so far; formats
- * that can be gone on with (tides_event_writer_can_resume) also PATH.checkpoint, which holds the state and goes when PATH is
- * complete. With keep_checkpoint it stays, as of the last step's beginning, which a longer run has too: resume with a later
- * time.stop then gives the events of one run, to the bit, and PATH is the shorter recording until the longer one is complete.
- * It goes where any other recording takes PATH's place, and one that was copied there from outside is known by its events. A
- * method that sees frames keeps no checkpoints. resume without a checkpoint is TIDES_FILE_NOT_FOUND; with one of another run it
- * is TIDES_BAD_CONFIG naming what differs; beside events of another run, TIDES_BAD_FILE; with a format that can't be gone on
- * with, TIDES_BAD_ARGUMENT; and with a method that sees frames, TIDES_UNSUPPORTED. */
+/* Writes all events of the run to a file of any format, with all facts of the run that the format can hold. `how` and later
+ * arguments are nullable. While it runs, and if it is stopped (TIDES_CANCELLED) or dies, PATH.part holds the events so far.
+ * Formats that can be resumed (tides_event_writer_can_resume) also have PATH.checkpoint with the state, which is removed
+ * when PATH is complete. With keep_checkpoint it stays, as of the beginning of the last step. Resuming with a later
+ * time.stop then gives the events of one long run, to the bit; PATH is the shorter recording until the longer one is
+ * complete. Another recording at PATH removes the checkpoint. A recording copied there from outside is recognised by its
+ * events. Methods that see frames keep no checkpoints. Failures of resume: TIDES_FILE_NOT_FOUND: no checkpoint.
+ * TIDES_BAD_CONFIG, naming the difference: the checkpoint is of another run. TIDES_BAD_FILE: the events beside it are of
+ * another run. TIDES_BAD_ARGUMENT: the format can't be resumed. TIDES_UNSUPPORTED: the method sees frames. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_write(tides_session *session, const char *path,
                                                             const tides_recording *how, tides_progress progress, void *user,
                                                             tides_recorded *done, tides_stats *stats, tides_error *error);
 
-/* Records from a simulator, to `stop` [s]: `facts` go into the file, its run (nullable) also into checkpoints. The simulator is
- * left where it was stopped. */
+/* Writes a simulator's events up to `stop` [s] to a file. `facts` go into the file; their run (nullable) also goes into
+ * checkpoints. If it is stopped, the simulator stays at that time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_write(tides_simulator *simulator, double stop, const char *path,
                                                               const tides_event_file *facts, const tides_recording *how,
                                                               tides_progress progress, void *user, tides_recorded *done,

@@ -76,7 +76,7 @@ static int32_t is_left_out(const walk *w, const struct stat *folder) {
 
 static tides_status take_folder(walk *w, const char *path, const struct stat *folder, tides_error *error);
 
-/* Hashes an entry: its name and, if it is a folder, its contents, otherwise size and time. A vanished entry counts as
+/* Hashes an entry: its name, then a folder's contents or a file's size and time of modification. A vanished entry counts as
  * absent. */
 static tides_status take_entry(walk *w, const char *folder, const char *name, tides_error *error) {
     struct stat facts;

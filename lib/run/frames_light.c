@@ -1,6 +1,6 @@
-/* Notes on how well frames show the light between them, from a few frames when a run is opened: the error of straight lines
- * of log luminance at a left-out frame; the motion between frames; and if a single step of an 8-bit value exceeds a
- * threshold. */
+/* Notes on how well frames show the light between them, written when a run is opened. A few frames are sampled for three
+ * measures: the error of a straight line of log luminance at a frame left out, the motion between frames, and the share of
+ * pixels where one step of an 8-bit value exceeds a threshold. */
 #include "td_run.h"
 #include "td_math.h"
 
@@ -20,7 +20,7 @@ enum {
 /* A block is followed if its mean |difference of neighbours| is above this times the frame's mean. */
 #define TEXTURED 1.5
 #define MOVES_FAR 2.0   /* px between frames */
-#define MISSED 0.25     /* thresholds */
+#define MISSED 0.25     /* contrast thresholds that straight lines are off */
 #define STEPS_MANY 0.01 /* share of the pixels */
 #define EIGHT_BITS 255.0
 
@@ -29,7 +29,7 @@ typedef struct looks {
     int32_t width, height;
     size_t pixels;
     double *Y[3], log_eps, threshold;
-    double missed, moved;  /* sums over pixels whose light changes: of the error [log units], and of the number of pixels */
+    double missed, moved;  /* over pixels whose light changes: sum of errors [log units], and number of pixels */
     size_t stepping, seen; /* pixels where one step exceeds a threshold; all sampled pixels */
     double distance[LOOKS * BLOCKS];
     size_t distances;
@@ -42,7 +42,8 @@ static int32_t read_three(looks *l, size_t first) {
     return 1;
 }
 
-/* Compares the middle frame with straight lines between its neighbours, where these differ by at least half a threshold. */
+/* Compares the middle frame with straight lines between its neighbours, where these differ by at least half a threshold. It
+ * also counts the pixels where one 8-bit step crosses a threshold. */
 static void leave_out(looks *l, size_t first) {
     const double before = tides_frames_time(l->frames, first), after = tides_frames_time(l->frames, first + 2);
     const double share = (tides_frames_time(l->frames, first + 1) - before) / (after - before);

@@ -26,7 +26,7 @@ struct tides_live {
     double start, stop, until;  /* [s] */
     tides_event *events;
     size_t count, capacity;
-    int given; /* 1: the last call returned them, so the next one may overwrite them */
+    int given; /* 1: the last call returned the events, so the next one may overwrite them */
     int lost;  /* 1: memory was short for a step's events */
     int finished;
 };
@@ -68,7 +68,7 @@ static tides_status check_options(const tides_live_options *o, tides_error *erro
     return TIDES_OK;
 }
 
-/* The pose of a path at `time`, as the first sample of an open path; NULL path: the identity, at rest. */
+/* Makes the first sample of an open path from a path's pose at `time`. A NULL path gives the identity, at rest. */
 static tides_status sample_at(const tides_trajectory *path, double time, tides_pose_sample *sample, tides_error *error) {
     tides_pose pose;
     memset(sample, 0, sizeof *sample);
@@ -272,8 +272,8 @@ static int keep_events(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* Forgets poses before the time reached, which aren't needed any more. The first steps are excepted: the image at the run's
- * start is kept by the second step for all that pixels need of it later. */
+/* Forgets poses before the time reached, which aren't needed any more. Until two steps are done none is forgotten: the
+ * second step still keeps what pixels need later of the image at the run's start. */
 static void forget(tides_live *live) {
     enum { STEPS_THAT_LOOK_BACK = 2 };
     if (live->options.keep || td_simulator_reached(live->simulator).step < STEPS_THAT_LOOK_BACK) return;

@@ -140,8 +140,8 @@ static void keep(kept_keys *kept, const char *key) {
         kept->left_out = 1;
 }
 
-/* Sets a row unless a stronger source gives it. In falling order: overrides, a preset named by an override, the run file's
- * own values, the preset named in the file. Values and preset of a rig's camera are as strong as overrides. */
+/* Sets a row unless a stronger source gives it. The sources from strong to weak: overrides, a preset named by an override,
+ * the run file's own values, the preset named in the file. Values and preset of a rig's camera are as strong as overrides. */
 static tides_status set(tides_run *run, const tides_param *row, const cJSON *value, kept_keys *kept, tides_error *error) {
     const size_t i = (size_t)(row - tides_params(NULL));
     const int32_t strong = run->given[td_param_find("sensor.preset") - tides_params(NULL)] >= TD_GIVEN_SET;

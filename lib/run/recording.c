@@ -14,8 +14,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Seconds of simulation between checkpoints, per second that saving one takes: a large image on a slow disk saves less
- * often. */
+/* Least wall time between checkpoints, in units of the time that saving the last one took: a large checkpoint on a slow
+ * disk is saved less often. */
 static const double least_work = 50.0;
 
 void tides_recording_defaults(tides_recording *recording) {

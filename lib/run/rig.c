@@ -56,7 +56,7 @@ tides_status td_rig_apply(tides_run *run, tides_error *error) {
 }
 
 /* The seed of the rig's camera. Noise depends on seed and pixel, so two cameras with one seed would have equal noise. The
- * first camera has the run's seed; each further one adds 2^64 / phi, which hashing spreads. */
+ * first camera has the run's seed; each further one adds 2^64 / 1.618 (the golden ratio), and hashing spreads the sums. */
 uint64_t td_rig_seed(const tides_run *run, uint64_t seed) {
     const cJSON *mine = chosen(run), *camera;
     cJSON_ArrayForEach(camera, td_run_value(run, "rig.cameras")) {

@@ -151,7 +151,7 @@ static int32_t is_scene(const char *file) {
     return (!td_ends_in(file, ".json") || td_sog_is_meta(file) || td_sog_is_lod(file)) && tides_scene_is_file(file);
 }
 
-/* The run for frames given alone. A video ends the run with itself, and is known to be sRGB. */
+/* The run for frames given alone. A video is taken as sRGB, and by default the run ends with the frames. */
 static char *run_of_frames(const char *file, tides_error *error) {
     cJSON *root = cJSON_CreateObject(), *frames = root ? cJSON_AddObjectToObject(root, "frames") : NULL;
     int32_t ok = frames && cJSON_AddStringToObject(frames, "file", td_base_name(file));

@@ -87,8 +87,8 @@ static tides_status bad_syntax(const tides_run *run, const char *text, size_t by
                    near_it[0] ? "\"" : "");
 }
 
-/* Replaces comments by spaces, and so the comma before a closing bracket, which remains when lines of a template are
- * commented out. Errors keep their line and column. */
+/* Replaces // comments by spaces, and also a comma before a closing bracket: one remains when the last lines of a template
+ * are commented out. Errors keep their line and column. */
 static void blank_comments(char *text, size_t bytes) {
     int32_t quoted = 0;
     char *comma = NULL; /* the last character, if it is a comma */

@@ -33,7 +33,7 @@ tides_status td_run_light(tides_run *run, tides_error *error) {
     const int32_t is_default = td_param_is_default(td_param_find("image.log_eps"), td_run_value(run, "image.log_eps"));
     if (status == TIDES_OK && !is_default) status = follow(run, "esim.log_eps", dark, error);
     if (status == TIDES_OK && !is_default) status = follow(run, "voltmeter.k2", full_scale_dn * dark, error);
-    if (status == TIDES_OK && (lux > 0 || !is_default)) /* its offset is 1 lux */
+    if (status == TIDES_OK && (lux > 0 || !is_default)) /* IEBCS takes ln(scale Y + 1 lux) */
         status = follow(run, "iebcs.scale", lux > 0 ? lux : 1 / dark, error);
     return status;
 }

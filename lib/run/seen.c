@@ -9,8 +9,8 @@
 #include <stdlib.h>
 
 enum { CENTRES = 4096, POSES = 32 };
-static const double next_to_nothing = 0.01; /* share of the centres in the best pose */
-static const double far_outside = 10;       /* radii that hold 90 % of the centres, from their middle */
+static const double next_to_nothing = 0.01; /* share of the centres that the best pose sees */
+static const double far_outside = 10;       /* distance from the centres' middle, in radii that hold 90 % of them */
 
 /* Takes the centres (x y z) of Gaussians in objects at rest. */
 static size_t take_centres(const tides_scene *scene, double *centres) {

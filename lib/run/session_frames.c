@@ -108,7 +108,8 @@ static tides_status prepare(tides_session *session, frame_job *job, tides_progre
     return status == TIDES_OK && !(job->light && job->values) ? TIDES_NO_MEMORY : status;
 }
 
-/* Fails if times of other frames, which the path may be read with, would be replaced. */
+/* Fails if the pictures or their files of times would replace files that the run reads: a path may be read with the times of
+ * other frames. */
 static tides_status check_apart(const tides_session *session, const char *path, tides_error *error) {
     static const char *const names[] = {"timestamps.txt", "exposure_timestamps.txt"};
     tides_status status = td_session_apart(session, &path, 1, error);

@@ -77,7 +77,7 @@ static tides_status write_text(const recording *r, const char *path, void (*put)
     return td_text_close(&text, TIDES_OK, error);
 }
 
-/* Writes the measurements to NAME.txt, and their biases to NAME_bias.txt. */
+/* Writes the measurements to the path, and their biases beside it: imu_bias.csv beside imu.csv. */
 static tides_status write_pair(const recording *r, const char *path, void (*put)(const recording *, td_text *, int),
                                tides_error *error) {
     enum { ENDING = 4 }; /* ".csv", ".txt" */

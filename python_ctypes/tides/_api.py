@@ -535,9 +535,9 @@ class tides_event_reading(Structure):
     /* 1: invalid events (outside the sensor, a wrong polarity, NaN) are left out and counted in the facts; 0: they fail */
     int32_t drop_invalid;
     const char *format; /* a name; NULL: by content */
-    const char *columns; /* of text and tables: "t,x,y,p", "-,x,y,p,t" ("-" isn't read); NULL: as their header says, else as
-    their values can only be meant */
-    const char *unit; /* of the times: "s", "ms", "us", "ns"; NULL: as format or header say, else as values can be meant */
+    const char *columns; /* of text and tables: "t,x,y,p", "-,x,y,p,t" ("-" isn't read); NULL: as their header says, else the
+    * only order that their values allow */
+    const char *unit; /* of the times: "s", "ms", "us", "ns"; NULL: as format or header say, else found from the values */
     const char *stream; /* name of one of the file's streams, which errors list; NULL: the only one */
     int64_t offset_ns; /* added to all times, after `rebase` */
     int32_t rebase; /* 1: times count from the recording's zero (tides_event_facts.zero_ns) */
@@ -1786,12 +1786,12 @@ class tides_stepping(Structure):
     """uint32_t size;
     int32_t mode; /* TIDES_STEPPING_* */
     int32_t model; /* TIDES_MODEL_* */
-    int32_t local; /* 1: each `unit` goes its own way: none where nothing moves, steps of its own where they are
-    chosen; 0: whole frames, the same steps for all */
+    int32_t local; /* 1: each `unit` has steps of its own where they are chosen, and none where nothing moves;
+    0: whole frames, the same steps for all */
     double step_s; /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
     double min_step_s; /* [s] > 0: steps that are no longer than this aren't cut */
-    double tolerance; /* ERROR: estimated error of S, in units of the smaller threshold. 0: 0.1 where events are
-    looked up and steps only have to find them, 0.01 where the model says when they are */
+    double tolerance; /* ERROR: estimated error of S, in units of the smaller threshold. 0: 0.1 if events are
+    * looked up, else 0.01 */
     double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
     tides_risk risk; /* RISK */
     int32_t slope; /* TIDES_SLOPE_* */
@@ -1799,10 +1799,9 @@ class tides_stepping(Structure):
     callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
     both tolerances (0.01 where `tolerance` is 0: looking up sees the same motion). FIXED: has
     no effect, each step is worked out */
-    double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step and their launches may take: tiles are taken so
-    many at a time. Where tiles share their steps, a few samples of each moving tile, if
-    that is more; looking up single pixels has a room of its own, 512 at most. Changes the order of
-    the work, no event */
+    double memory_mb; /* [1e6 bytes] >= 1: memory for the samples of a macro step and their launches; it decides how many
+    * tiles are taken at a time. If tiles share their steps, it is at least a few samples of each moving
+    * tile. Look-ups have room of their own, at most 512. Changes the order of the work, no event */
     int32_t solve; /* TIDES_SOLVE_* */
     int32_t unit; /* TIDES_UNIT_* */
     """
@@ -1846,20 +1845,20 @@ class tides_stats(Structure):
     uint64_t events_truncated; /* crossings beyond max_events_per_step in a step, moved to the step's end */
     uint64_t events_caught_up; /* crossings that the local model missed or put out of range, fired at the step's end */
     uint64_t events_by_cause[TIDES_CAUSES]; /* of `events`, by TIDES_CAUSE_* */
-    uint64_t events_written; /* given to the sink: without a readout `events`, with one fewer */
-    uint64_t events_dropped; /* by the readout, by chance or because a queue was full; */
-    uint64_t events_overflowed; /* of these, the latter */
+    uint64_t events_written; /* given to the sink, behind readout and filters */
+    uint64_t events_dropped; /* by the readout: by chance, or because a queue was full */
+    uint64_t events_overflowed; /* of events_dropped: because a queue was full */
     uint64_t events_delayed; /* left the readout later than they fired */
     uint64_t events_suppressed; /* by sensor.b_min: crossings put off to where their pixel became visible, noise events lost */
     uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
     uint64_t steps; /* (tile or block, step) pairs that went to the comparator */
-    uint64_t steps_rejected; /* cut in two: such pairs that were too coarse, or to be looked into */
+    uint64_t steps_rejected; /* such pairs that were cut in two: too coarse, or to be probed */
     uint64_t steps_at_minimum; /* accepted above the tolerance because they were as short as min_step_s */
     double worst_delay_s; /* in the readout, jitter aside [s] */
-    double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
-    /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. An event's error
-    * is that which probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK
-    * alone, where nothing was cut, it comes from the ends of steps, which may show nothing. */
+    double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which have no estimates */
+    /* Estimated timing error that so many percent of the events stay below [s]; 0 under fixed steps. An event's error is the
+    * error that probes found there, and rounding, by the signal's slope and curvature where it fired. Under RISK, if
+    * nothing was cut, it comes from the ends of steps, which may show no error. */
     double error_p50_s, error_p95_s, error_p99_s; /* as above [s] */
     double worst_residual; /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     uint64_t tile_steps_still; /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
@@ -1867,26 +1866,26 @@ class tides_stats(Structure):
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s; /* wall time of the comparator, the sink, the rest [s] */
     uint64_t peak_memory_bytes; /* of the process */
-    /* The part of `steps` that rests on a probe: an evaluation inside a step that they are a part of, compared with its model
-    * in value and rate. Under error control that is all of them, but where min_step_s leaves macro steps whole. */
+    /* The part of `steps` that rests on a probe: a render inside the longer step that they are cut from, compared with its
+    * model in value and rate. Under error control these are all steps, except macro steps that min_step_s leaves whole. */
     uint64_t steps_probed;
-    /* Accepted although above the tolerance, because what a probe saw is no more than rounding of S in single precision:
-    * shorter steps would see as much. */
+    /* Steps accepted above the tolerance because the deviation at the probe is no more than rounding of S in single
+    * precision: shorter steps would show as much. */
     uint64_t steps_at_rounding;
-    /* Events that the signal's estimated error may undo, and places where it may make some: it turns, or the run ends, so near
-    * a level that the error decides whether it is reached. Not for FIXED. */
+    /* Events that the signal's estimated error may undo, and places where it may make events: the signal turns, or the run
+    * ends, so near a level that the error decides whether it is reached. Not counted under FIXED. */
     uint64_t events_uncertain;
-    double worst_deviation; /* the largest that a probe saw where a step rests on it [thresholds] */
-    uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve), and */
+    double worst_deviation; /* largest deviation at a probe on which a step rests [thresholds] */
+    uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve) */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
-    double time_look_up_s; /* waiting for that */
-    uint64_t solve; /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE; */
-    uint64_t unsolved; /* TIDES_UNSOLVED_*: why it is OFF */
-    uint64_t unit; /* TIDES_UNIT_* that the run has: TILE or BLOCK */
-    double tolerance; /* that the run has [thresholds] */
+    double time_look_up_s; /* time of waiting for look-ups [s] */
+    uint64_t solve; /* TIDES_SOLVE_* of the run: OFF or DOUBLE */
+    uint64_t unsolved; /* TIDES_UNSOLVED_*: why `solve` is OFF */
+    uint64_t unit; /* TIDES_UNIT_* of the run: TILE or BLOCK */
+    double tolerance; /* the run's [thresholds] */
     uint64_t events_filtered[TIDES_STAGES]; /* dropped behind the readout, by TIDES_STAGE_* */
-    /* Processor time of the calling thread while no other worked beside it on the host: what more threads leave as it is.
-    * Waiting for a device takes none, but where its driver spins [s]. */
+    /* Processor time of the calling thread while no other worked beside it on the host [s]: time that more threads don't
+    * shorten. Waiting for a device takes none, unless its driver spins. */
     double time_alone_s;
     """
 
@@ -2211,10 +2210,11 @@ class tides_baseline_params(Structure):
 
 
 class tides_frame_supply(Structure):
-    """tides_frames *frames; /* a sequence, whose frames (LDATI: intervals) within [start, stop] are used; or NULL, and */
-    tides_renderer *renderer; /* a renderer, */
-    const tides_trajectory *camera; /* its camera, */
-    /* and renders per second [Hz]: the first at `start`, the last at `stop`; ESIM's adaptive sampling doesn't read it */
+    """tides_frames *frames; /* a sequence, of which frames (LDATI: intervals) within [start, stop] are used; or NULL */
+    tides_renderer *renderer; /* if `frames` is NULL: a renderer */
+    const tides_trajectory *camera; /* the renderer's camera */
+    /* the renderer's renders per second [Hz]: the first at `start`, the last at `stop`; ESIM's adaptive sampling doesn't
+    * read it */
     double frames_per_second;
     double start, stop; /* [s] */
     """
@@ -2434,7 +2434,7 @@ class tides_run_values(Structure):
     int32_t event_truth; /* 1: event files get ground truth (tides_session_truth) */
     int32_t truth_metres; /* 1: its depths are in metres */
     const char *truth_columns; /* "flow,depth,alpha,instance", or some of these */
-    int32_t track_choice; /* which of them: TIDES_TRACKS_* */
+    int32_t track_choice; /* TIDES_TRACKS_*: how tracked points are chosen */
     int32_t track_count; /* points to follow (tides_session_tracks) */
     double track_rate_hz; /* of tracks [Hz] */
     tides_exposure exposure; /* of frames (tides_session_frames) */
@@ -2607,10 +2607,10 @@ class tides_session_taken(Structure):
 
 class tides_recording(Structure):
     """uint32_t size;
-    int32_t resume; /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */
+    int32_t resume; /* 1: continue from PATH.checkpoint, with the PATH.part beside it */
     const char *format; /* of tides_event_format_at; NULL: that of the path's ending */
-    double checkpoint_s; /* [s] of wall time between checkpoints; 0: none, nor where the run is stopped */
-    int32_t keep_checkpoint; /* 1: PATH.checkpoint stays beside the finished PATH: `resume` with a later stop goes on from it */
+    double checkpoint_s; /* [s] of wall time between checkpoints; 0: none, also none where the run is stopped */
+    int32_t keep_checkpoint; /* 1: PATH.checkpoint stays beside the finished PATH; `resume` with a later stop extends it */
     int32_t reserved;
     """
 
@@ -2634,11 +2634,11 @@ class tides_recording(Structure):
 class tides_recorded(Structure):
     """uint64_t events; /* in the file so far */
     uint64_t collapsed; /* tides_event_writer_collapsed */
-    double resumed_s; /* [s] since the run's start where it went on; 0: from the start */
+    double resumed_s; /* [s] since the run's start at which it was resumed; 0: not resumed */
     int32_t began; /* 1: the file is open; PATH.part holds its events should the run be stopped */
     int32_t complete; /* 1: PATH is there */
-    int32_t saved; /* 1: the last checkpoint was written: `resume` goes on from it */
-    tides_error unsaved; /* why a checkpoint couldn't be, for the first time; the run goes on */
+    int32_t saved; /* 1: the last checkpoint was written, so that `resume` can continue from it */
+    tides_error unsaved; /* the first failure to write a checkpoint; the run goes on */
     """
 
     events: int

@@ -23,8 +23,9 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM, signal.SIGUSR1)  # us
 class _Signals:
     """Keeps Python's handlers of signals from raising in a callback of C.
 
-    A handler runs when the interpreter next checks, which while C works is at the first instruction of a callback, before
-    any `try` in it. An exception there would be printed and lost. So it is caught, and raised when C has returned.
+    The interpreter runs a handler at its next check for signals. While C works, this check is at the first instruction of a
+    callback, before any `try` in it. An exception there would be printed and lost. So it is caught here, and raised when C has
+    returned.
     """
 
     def __enter__(self) -> None:

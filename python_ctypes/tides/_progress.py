@@ -10,7 +10,7 @@ from . import _api
 from ._call import kept, pending, text
 
 #: None: silent. True: a bar of tqdm if that is installed, else a line on stderr per tenth. A function: called with the
-# fraction done and the stage's name; it stops the work by returning something true (Cancelled) or by raising.
+#: fraction done and the stage's name; it stops the work by returning something true (Cancelled) or by raising.
 Progress = Union[None, bool, Callable[[float, str], Any]]
 
 

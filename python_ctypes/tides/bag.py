@@ -54,7 +54,7 @@ _KINDS = {
     "exposure": ("std_msgs/msg/Int32",),  # [us], as rpg_dvs_ros publishes it beside its frames
 }
 
-# Type and planes of the encodings of sensor_msgs/Image that are light; of b g r planes the order is turned.
+# Encodings of sensor_msgs/Image that hold light: type and number of planes. Planes b g r are put in the order r g b.
 _ENCODINGS = {
     "mono8": ("u1", 1), "8UC1": ("u1", 1), "mono16": ("u2", 1), "16UC1": ("u2", 1),
     "rgb8": ("u1", 3), "bgr8": ("u1", 3), "8UC3": ("u1", 3), "rgba8": ("u1", 4), "bgra8": ("u1", 4),
@@ -64,7 +64,7 @@ _ENCODINGS = {
 
 @dataclass
 class Converted:
-    """What a bag had: topics taken by kind, and counts."""
+    """Contents of a bag: the topic taken for each kind, and counts."""
 
     folder: str
     zero_ns: int  # ROS time of the folder's time 0
@@ -77,7 +77,7 @@ class Converted:
 
 # -- topics ----------------------------------------------------------------------------------------------------------------
 def _open(files: Sequence[str | os.PathLike[str]]) -> AnyReader:
-    """Types of event messages are known beside those that the bag defines: bags of old rosbag2 define none."""
+    """Opens a bag. Types of event messages are added to those that the bag defines, since bags of old rosbag2 define none."""
     store = get_typestore(Stores.ROS2_HUMBLE)
     store.register(get_types_from_msg("uint16 x\nuint16 y\nbuiltin_interfaces/Time ts\nbool polarity\n", "dvs_msgs/msg/Event"))
     array = "std_msgs/Header header\nuint32 height\nuint32 width\ndvs_msgs/Event[] events\n"
@@ -92,7 +92,8 @@ def _open(files: Sequence[str | os.PathLike[str]]) -> AnyReader:
 
 
 def _read(bag: AnyReader, topic: str, decode: Callable[[Any, bytes], Any]) -> Iterator[Any]:
-    """What `decode` makes of each message of a topic. In a damaged bag rosbags' decoders raise errors of many types."""
+    """Decodes each message of a topic. In a damaged bag rosbags' decoders raise errors of many types; each becomes a
+    ValueError that names the topic."""
     try:
         for connection, _, data in bag.messages([one for one in bag.connections if one.topic == topic]):
             yield decode(connection, data)
@@ -162,8 +163,8 @@ def _arrays(bag: AnyReader, topic: str) -> Iterator[tuple[int, int, np.ndarray]]
 
 
 def _packets(bag: AnyReader, topic: str, folder: str) -> Iterator[tuple[int, int, np.ndarray]]:
-    """The same of EVT 3.0's packets, which go on from one another: TIDES's reader of .raw files decodes them. A packet's stamp is
-    its first event's ROS time, and one offset holds for all."""
+    """Height, width, and events in ROS time [ns] of EVT 3.0's packets. The clock of EVT 3.0 runs on from packet to packet, so that
+    all are decoded as one .raw file. The first packet's stamp is its first event's ROS time, and gives the offset for all."""
     raw, first, last = os.path.join(folder, "events.raw"), None, 0
     with open(raw, "wb") as file:
         for packet in _messages(bag, topic):
@@ -200,7 +201,7 @@ class _Sorted:
     def _write(self, last: bool) -> None:
         events = np.concatenate(self._held) if self._held else make_events([], [], [], [])
         events = events[np.lexsort((events["p"], events["x"], events["y"], events["t"]))]
-        # what ends the chunk may have company in the next one
+        # messages of the next chunk may have events up to 10 ms before this chunk's last
         cut = len(events) if last or not len(events) else int(np.searchsorted(events["t"], events["t"][-1] - _SECOND // 100))
         out = events[:cut].copy()
         out["t"] -= self._zero
@@ -248,7 +249,7 @@ def _seconds(ns: int) -> str:
 
 
 def _write_frames(bag: AnyReader, topic: str, folder: str, zero_ns: int) -> list[int]:
-    """Their times [ns]."""
+    """Writes images/ and images.txt; returns the frames' times [ns]."""
     os.mkdir(os.path.join(folder, "images"))
     times: list[int] = []
     lines = []
@@ -264,7 +265,7 @@ def _write_frames(bag: AnyReader, topic: str, folder: str, zero_ns: int) -> list
 
 
 def _write_exposures(bag: AnyReader, topic: str, folder: str, times: list[int]) -> None:
-    """One message for each frame, in order, without a stamp."""
+    """Writes exposure.txt. Messages of exposures have no stamp: there is one for each frame, in order."""
     exposures = [int(one.data) for one in _messages(bag, topic)]
     if len(exposures) != len(times):
         return
@@ -285,7 +286,8 @@ def _write_poses(bag: AnyReader, topic: str, folder: str, zero_ns: int) -> int:
 
 
 def _write_lens(bag: AnyReader, topic: str, folder: str) -> None:
-    """fx fy cx cy k1 k2 p1 p2 k3; a fisheye's (equidistant) isn't what this file means, and is left out."""
+    """Writes calib.txt: fx fy cx cy k1 k2 p1 p2 k3. A fisheye lens (equidistant) is left out: these coefficients can't describe
+    it."""
     info = _first(bag, topic)
     k = [float(one) for one in (info.k if hasattr(info, "k") else info.K)]
     d = [float(one) for one in (info.d if hasattr(info, "d") else info.D)]
@@ -326,8 +328,8 @@ def convert(
     lens: str | None = None,
     exposure: str | None = None,
 ) -> Converted:
-    """Makes `folder` of a bag, or of several that are one recording. Topics are found by their type; where there are several
-    the one beside the events is taken, or you name it. A lens is taken only from beside the events."""
+    """Makes `folder` of a bag, or of several that are one recording. Topics are found by their type. If there are several of one
+    type, the one in the events' namespace is taken, unless you name one. A lens of another namespace is left out."""
     files = [bag] if isinstance(bag, (str, os.PathLike)) else list(bag)
     asked = {"frames": frames, "poses": poses, "lens": lens, "exposure": exposure}
     target, part = os.fspath(folder).rstrip("/"), os.fspath(folder).rstrip("/") + ".part"

@@ -5,8 +5,8 @@
     client = Client(LocalCluster(threads_per_worker=1))
     summary = tides.distributed.map("grid.json", client, "results", progress=True)
 
-Workers run the command line tool, a process per run, so that DIR holds what `tides batch grid.json -o results` leaves, file by
-file, whoever made which part: the one goes on where the other stopped.
+Workers run the command line tool, a process per run. So DIR holds, file by file, what `tides batch grid.json -o results` leaves,
+and each of the two can continue what the other began.
 
 What a cluster needs: this package and `tides` on every worker, of one version; manifest, what its runs read, and DIR under the
 same paths everywhere (shared storage; relative paths count from the client's working directory); files must keep their content
@@ -245,10 +245,10 @@ def map(
     """Simulates the runs of a batch's manifest on the workers of `client`, into folders of `out_dir`, and returns the summary:
     runs (a list of Facts: name, state, events, error ...), done, failed, waiting: the content of out_dir/summary.json.
 
-    Finished runs are skipped and interrupted ones gone on with, whichever machine they were on: by the hash that `tides batch`
-    keeps. A worker that dies takes no more than its last `checkpoint_s` seconds with it: its run goes on on another one, until
-    `distributed.scheduler.allowed-failures` (3) of them died of it. A run that fails is tried `retries` times more; then it
-    is in the summary, and a RuntimeWarning tells of it when the others are done. BadConfig: the manifest is wrong.
+    By the hash that `tides batch` keeps, finished runs are skipped and interrupted ones continued, whichever machine they were
+    on. If a worker dies, its run loses at most the last `checkpoint_s` seconds, and continues on another worker. After
+    `distributed.scheduler.allowed-failures` (3) such deaths the run counts as failed. A run that fails is tried `retries` times
+    more; then it is in the summary, and a RuntimeWarning names it when the others are done. BadConfig: the manifest is wrong.
 
     Ctrl-C (or a true return of `progress`, which is told the fraction of runs that ended, and the last one's name) lets the
     runs under way save their state, writes the summary, and raises; the same call goes on from there.

@@ -43,8 +43,8 @@ class Live(Handle):
     world; or a Pose. Between poses the path is the cubic with their rates (those that aren't given are taken from the poses
     before). To the bit these are the events of a Simulation whose camera is `path()`: make that with keep=True.
 
-    Events come by whole steps of the run, stepping.step_s: make that `dt`, or a part of it. `objects` (names or numbers) are told
-    where they are, too; with camera=False only they are. A pose faster than `max_speed` [scene units/s] or `max_turn_rate`
+    Events come by whole steps of the run, stepping.step_s: make that `dt`, or a part of it. `objects` (names or numbers) get poses,
+    too; with camera=False they alone do. A pose faster than `max_speed` [scene units/s] or `max_turn_rate`
     [rad/s] is refused as a jump."""
 
     _destroy = "tides_live_close"

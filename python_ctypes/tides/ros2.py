@@ -43,7 +43,7 @@ from .trajectory import Trajectory
 _SECOND = 1_000_000_000
 DEPTH = 10  # messages that a queue keeps; ROS' default
 PERIOD_S = 0.01  # of packets, along the run's own path
-GAP_S = 60.0  # between poses, at most: where clocks disagree, a run of years would begin
+GAP_S = 60.0  # longest time between two poses: clocks that disagree would otherwise begin a run of years
 POSE, TWIST = "geometry_msgs::msg::dds_::PoseStamped_", "geometry_msgs::msg::dds_::TwistStamped_"
 
 #: Cyclone's settings for runs that only this machine receives.

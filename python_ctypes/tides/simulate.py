@@ -104,7 +104,8 @@ class Simulation(Handle):
         run()             all (the rest) as an array
         for packet in s   arrays, one for each `step_s`
         write(file)       a file of any format
-    once: what has given its last event says so (ValueError) instead of giving none. Ctrl-C ends each within a step; what was simulated stays, and the next call goes on from there."""
+    once: after the last event each of these raises ValueError, instead of giving no events. Ctrl-C ends a call within a step; what
+    was simulated stays, and the next call continues from there."""
 
     _destroy = "tides_simulator_destroy"
     _spent = False  # True: all events were taken
@@ -238,11 +239,12 @@ class Simulation(Handle):
         *,
         keep_checkpoint: bool = False,
     ) -> Facts:
-        """Simulates into an event file and returns the statistics. Interrupted, FILE.part holds what there is, readable;
-        for HDF5 FILE.checkpoint does too, every `checkpoint_s` [s] (None: 30; 0: never) and at Ctrl-C, and a new Simulation's
-        write(file, resume=True) goes on from there, as does `tides simulate --resume`. With `keep_checkpoint` FILE.checkpoint
-        stays beside the finished file: a Simulation with a later stop then goes on with that, to the bit. With sensor.labels an HDF5 file has
-        each event's cause, when it fired and what the front end added (`read_labelled`)."""
+        """Simulates into an event file and returns the statistics. If it is interrupted, FILE.part has the events so far, and is
+        readable. For HDF5 the state is saved as FILE.checkpoint every `checkpoint_s` [s] (None: 30; 0: never) and at Ctrl-C. A
+        new Simulation's write(file, resume=True) continues from there, as does `tides simulate --resume`. With
+        `keep_checkpoint` FILE.checkpoint stays beside the finished file: a Simulation with a later stop then extends that, to the
+        bit. With sensor.labels an HDF5 file has each event's cause, when it fired and what the front end added
+        (`read_labelled`)."""
         self._goes_on()
         lens, stretch = self.camera.intrinsics, (_nanoseconds(self.start), _nanoseconds(self.stop))
         texts = encoded(self._run), encoded(self._seed)

@@ -156,8 +156,9 @@ class _Clock:
         return (np.array(codes) - self.first) / self.per_second
 
     def codes(self, samples: Iterable[float], every: float | None = None) -> list[float]:
-        """Those of `samples` that lie within, and both ends, since values are held before the first and after the last sample.
-        `every`: additional codes, for changes that USD doesn't interpolate linearly (turns about axes)."""
+        """The time codes at which a changing value is read: the `samples` within the clock, and the clock's ends, since values
+        are held before the first and after the last sample. `every`: distance of additional codes, for changes that USD doesn't
+        interpolate linearly (turns about axes)."""
         inside = sorted(one for one in samples if self.first <= one <= self.last)
         held = [inside[0] - 1, inside[-1] + 1] if inside else []
         more = np.arange(self.first, self.last, every).tolist() if every else []
@@ -254,8 +255,8 @@ def read(file: str | os.PathLike[str], transfer: str | None = None, gamma: float
     """The scene of a USD file: each visible ParticleField3DGaussianSplat is an object, named by its path, with the transforms
     above it. Where only those change over time, and rigidly, it follows a Trajectory through each frame; other time samples are
     keyframes. Both are joined by a C2 cubic spline, where USD joins by lines (keyframes that begin late or end early: by Catmull
-    and Rom's, which hold still before and after). `part`: only the prims there and below. Colours are what the file's colour space says, srgb where it says none,
-    or `transfer` ("linear", "srgb", "gamma" with its exponent)."""
+    and Rom's, which hold still before and after). `part`: only the prims there and below. Colours code light as the file's
+    colour space says (srgb if it says none), or as `transfer` says ("linear", "srgb", "gamma" with its exponent)."""
     stage = _open(file)
     prims = [one for one in stage.Traverse(Usd.TraverseInstanceProxies()) if _shown(one)]
     if part is not None:

@@ -6,7 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Holds the next event of the pixel against one that was just found; 0 where they are the same. */
+/* 1 unless the finder's event `next` has this polarity and a time between the samples at `after` and `before` [s], within 1
+ * ns. */
 static size_t differs(const oracle_event *next, int polarity, double after, double before) {
     return next->polarity != polarity || next->time < after - 1e-9 || next->time > before + 1e-9;
 }

@@ -4,8 +4,9 @@
 
 #include "tests/oracle/events.h"
 
-/* How many of a pixel's events differ: one has it and the other hasn't, or their times are further apart than a sample. An
- * excursion shorter than a sample is the brute one's miss. */
+/* Number of events on which the finder and samples `spacing` [s] apart disagree: one of both lacks the event, or the
+ * finder's time isn't between the two samples that enclose it. A signal that passes a level and returns between two samples
+ * counts too, although the finder is right there. */
 size_t oracle_brute_differences(const oracle_scene *scene, const oracle_events *events, int pixel, double spacing);
 
 #endif

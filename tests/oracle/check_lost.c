@@ -1,13 +1,13 @@
-/* check_lost: the library's events against the oracle's on random scenes of the hard kinds (issue 38). A line for each scene, a
- * summary, and whether the issue's criteria hold: 34 scenes in turn are 2.2 million events, in four minutes of a core.
+/* check_lost: the library's events against the oracle's on random scenes of the hard kinds (issue 38). Prints a line for each
+ * scene, a summary, and whether each criterion holds. 34 scenes have 2.2 million events and take four minutes on one core.
  *
  *   --kind NAME   scenes of one kind; --list names them      --dump     each event that is lost or false
- *   --trials N    so many scenes (TIDES_TRIALS, 500)         --finer N  the oracle against itself, N times as many samples
+ *   --trials N    number of scenes (TIDES_TRIALS, 500)       --finer N  the oracle against itself, N times as many samples
  *   --seed N      the first one's seed (TIDES_SEED, 1)       --images N the oracle's L against the library's, at N times
- *   --device NAME the library's device (cpu)                 --share X  images X times as wide (1)
- *   --solve off|float, --tolerance X, --step S  settings of the library's run
+ *   --device NAME the library's device (cpu)                 --share X  factor on images' width (1)
+ *   --solve off|auto, --tolerance X, --step S  settings of the library's run
  *   --jobs N      processes (2)                              --brute N  the oracle against 50 ns samples of N pixels
- *   --transfer linear|srgb  what colours are of light (TIDES_TRANSFER, linear) */
+ *   --transfer linear|srgb  how colours code light (TIDES_TRANSFER, linear) */
 #include "tests/oracle/trial.h"
 #include "tests/oracle/worlds.h"
 
@@ -48,7 +48,7 @@ static int is_srgb(const char *transfer) {
     exit(2);
 }
 
-/* An option with a value; 0 where there's none of that name. */
+/* Stores an option that takes a value; 0 if no such option exists. */
 static int read_option(options *o, const char *name, const char *value) {
     const struct {
         const char *name;

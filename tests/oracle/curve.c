@@ -1,4 +1,4 @@
-/* Curves through samples: slopes by several laws, and values by the cubics that have them. */
+/* Computes the slopes of curves through samples by three laws, and evaluates the cubics between samples. */
 #include "tests/oracle/curve.h"
 
 #include <stdio.h>
@@ -34,8 +34,9 @@ static double span(const oracle_curve *c, int i) { return c->time[i + 1] - c->ti
 static double value_of(const oracle_curve *c, int i, int k) { return c->value[(size_t)i * (size_t)c->width + (size_t)k]; }
 static double secant(const oracle_curve *c, int i, int k) { return (value_of(c, i + 1, k) - value_of(c, i, k)) / span(c, i); }
 
-/* The slopes m of a spline solve lower m[i-1] + middle m[i] + upper m[i+1] = right (the second derivative is continuous at
- * inner samples, and the third at the first and last inner ones). One number, by elimination. */
+/* Spline slopes of number k, by elimination. The slopes m solve lower m[i-1] + middle m[i] + upper m[i+1] = right: the
+ * second derivative is continuous at inner samples, the third at the first and last inner ones. `right` ends as the slopes;
+ * `upper` is scratch. */
 static void spline_slopes(const oracle_curve *c, int k, double *upper, double *right) {
     const int last = c->count - 1;
     const double h0 = span(c, 0), h1 = span(c, 1), g0 = span(c, last - 1), g1 = span(c, last - 2);
@@ -53,7 +54,7 @@ static void spline_slopes(const oracle_curve *c, int k, double *upper, double *r
     for (int i = last; i-- > 0;) right[i] -= upper[i] * right[i + 1];
 }
 
-/* Of the parabola through three samples. */
+/* Slopes of the parabola through three samples. */
 static void parabola_slopes(const oracle_curve *c, int k, double *right) {
     const double h0 = span(c, 0), h1 = span(c, 1), d0 = secant(c, 0, k), d1 = secant(c, 1, k), bend = (d1 - d0) / (h0 + h1);
     right[0] = d0 - bend * h0;

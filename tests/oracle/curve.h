@@ -4,11 +4,13 @@
 
 #include <stddef.h>
 
-/* Where slopes come from: a C2 spline's, not-a-knot at both ends (lines and parabolas of two and three samples); Catmull and
- * Rom's, half the end interval's slope at an end; zeros: the curve rests at each sample. */
+/* Laws of slopes. Spline: a C2 spline, not-a-knot at both ends; through two samples a line, through three a parabola.
+ * Catmull-Rom: the secant between both neighbours; at an end, half the slope of the last interval. Resting: 0 at each
+ * sample. */
 enum { ORACLE_SPLINE = 0, ORACLE_CATMULL_ROM = 1, ORACLE_RESTING = 2 };
 
-/* `width` numbers at each of `count` times. One sample, or none: they don't change. Owned: oracle_curve_free. */
+/* `width` numbers at each of `count` times. With one sample they are constant; without samples nothing may be evaluated. To
+ * be freed by oracle_curve_free. */
 typedef struct oracle_curve {
     int count, width, law;
     double *time;          /* (count) [s] */
@@ -21,16 +23,17 @@ typedef struct oracle_place {
     double value[2], slope[2];
 } oracle_place;
 
-/* Room for samples; oracle_curve_finish works slopes out once they are filled in. Without memory the program ends. */
+/* Allocates a curve. The caller fills in times and values; then oracle_curve_finish computes the slopes. If memory runs out,
+ * the program ends. */
 oracle_curve oracle_curve_make(int count, int width, int law);
 void oracle_curve_finish(oracle_curve *curve);
 void oracle_curve_free(oracle_curve *curve);
 
 oracle_place oracle_curve_find(const oracle_curve *curve, double time);
-/* Numbers [first, first + n) there. */
+/* The curve's numbers [first, first + n) at a place. */
 void oracle_curve_at(const oracle_curve *curve, const oracle_place *place, int first, int n, double *out);
 
-/* calloc, or the end of the program. */
+/* calloc; if memory runs out, the program ends. */
 void *oracle_alloc(size_t count, size_t size);
 
 #endif

@@ -5,10 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Soft depths within which two splats mix: e^-14 is a millionth. */
+/* Two splats mix while their depths differ by less than this [soft depths, which are ln z / soft_depth]: e^-14 is a
+ * millionth. */
 #define MIXED 14.0
 
-/* Soft depths from sample to sample from which on a swap isn't seen by them. */
+/* A swap is hidden between two samples if its depths differ by more than this from one to the next [soft depths]. */
 #define RESOLVED 0.3
 
 static void append(oracle_doubts *all, const oracle_doubt *one) {
@@ -23,12 +24,12 @@ static void append(oracle_doubts *all, const oracle_doubt *one) {
     all->doubt[all->count++] = *one;
 }
 
-/* Two splats whose distance in depth goes from `before` to `after`: while they mix, if they do. */
+/* Adds the time in which two splats mix, if they do. Their distance in depth goes from `before` to `after` [soft depths]. */
 static void add_swap(int i, int j, double before, double after, double from, double to, oracle_doubts *all) {
     const double change = after - before;
     oracle_doubt d = {i, j, from, to, fabs(change) / (to - from), 0};
     if (fmin(fabs(before), fabs(after)) > MIXED && before * after > 0) return;
-    if (d.rate * (to - from) > 1) { /* the straight line from one to the other, and a little more */
+    if (d.rate * (to - from) > 1) { /* while a straight line is within MIXED, and 2 % more on either side */
         double enter = (-MIXED - before) / change, leave = (MIXED - before) / change;
         if (enter > leave) enter = leave, leave = (-MIXED - before) / change;
         d.from = from + fmax(0, enter - 0.02) * (to - from);
@@ -90,6 +91,6 @@ double oracle_doubt_share(const oracle_doubt *d, double a, double b, double whol
     const double way = d->rate * (b - a);
     if (b < d->from || a > d->to) return 0;
     if (d->j < 0) return 0.5 * (b - a) / whole;
-    /* Of what is smooth between samples these show the bend, and what is left is of third order. */
+    /* Two samples show the bend of a smooth change; the rest is of third order. */
     return way < RESOLVED ? 0.125 * way * way * way : fmin(1, 0.25 * way * way);
 }

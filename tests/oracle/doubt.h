@@ -1,5 +1,5 @@
-/* Changes within an interval between two samples that no curve through samples shows: two splats that swap in depth, a colour
- * that meets its clamp. They are found once for all pixels, from the splats at both ends. */
+/* Doubts: changes between two samples that a curve through the samples doesn't show, because two splats swap in depth or a
+ * colour meets its clamp at 0. They are found once for all pixels, from the splats at both samples. */
 #ifndef TESTS_ORACLE_DOUBT_H
 #define TESTS_ORACLE_DOUBT_H
 
@@ -17,16 +17,17 @@ typedef struct oracle_doubts {
     int count, capacity;
 } oracle_doubts;
 
-/* Between two times, from all splats as they are shown there, by number: shown[id]. Appends. `order` (visible of a, nearest
- * first). */
+/* Appends the doubts between times `from` and `to` [s]. a[id] and b[id] are all splats at these times; order (count): the
+ * splats visible at `from`, nearest first. */
 void oracle_find_doubts(const oracle_shown *a, const oracle_shown *b, double from, double to, const int *order, int count,
                         oracle_doubts *doubts);
 
-/* The most of L that a doubt may hide at a pixel if it came all at once, in a pixel that shows Y + log_eps = `shown`, where
- * light grows `growth` times as fast as colours (oracle_growth). */
+/* The largest change of L that a doubt can make at the pixel centre (x, y). shown: the pixel's Y + log_eps; growth: change
+ * of light per change of colour (oracle_growth). */
 double oracle_doubt_size(const oracle_doubt *doubt, const oracle_shown *i, const oracle_shown *j, double x, double y,
                          double shown, double growth);
-/* The share of that which an interval [a, b] of `width` (from its parent's whole) may hide. */
+/* The share of this change that can hide between two samples at a and b [s]. whole: length of the grid's interval around
+ * them [s]. */
 double oracle_doubt_share(const oracle_doubt *doubt, double a, double b, double whole);
 
 #endif

@@ -8,15 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a curve may do between two samples of the grid beyond what second differences and doubts tell, in thresholds. */
+/* Allowance for a curve between two samples of the grid, beyond its bend and its doubts [thresholds]. */
 #define FLOOR 0.01
-/* Times that are nearer than this aren't told apart, roots are found to a tenth of it. */
+/* Intervals no longer than this [s] aren't divided further; roots are found to a fifth of it. */
 #define LEAST_S 1e-10
-/* Between two knots of a path at least so many samples, as long as these aren't nearer than that. */
+/* Between two knots of a path the grid has at least PER_KNOT samples, unless they would be closer than CLOSEST_S [s]. */
 enum { PER_KNOT = 8 };
 #define CLOSEST_S 1e-6
 
-/* Where a splat was at a sample [px]. */
+/* Centre and half-widths of a splat at a sample [px]. */
 typedef struct box {
     float x, y, rx, ry;
 } box;
@@ -26,18 +26,18 @@ typedef struct finder {
     oracle_events *found;
     double *time;          /* (count) */
     double *image;         /* (count x pixels) L */
-    double *growth;        /* (pixels) oracle_growth at the interval's start */
+    double *growth;        /* (pixels) oracle_growth at the start of the interval */
     box *boxes;            /* (count x splats); rx below 0 where it isn't visible */
     oracle_doubts *doubts; /* (count - 1) */
-    float *hidden;         /* ((count - 1) x pixels) what doubts may hide, all together */
+    float *hidden;         /* ((count - 1) x pixels) change of L that doubts may hide */
     int count, pixels;
     /* The pixel and interval in hand. */
     int pixel, interval, listed;
-    int *list; /* (splats) those that may show there, once `listed` is 0 or more */
+    int *list; /* (splats) those that may show there; filled if `listed` >= 0 */
     struct own_doubt {
         const oracle_doubt *doubt;
         double size;
-    } * own; /* doubts that concern it */
+    } * own; /* doubts that can change this pixel */
     int owns, own_room;
     double reference;
 } finder;
@@ -53,7 +53,8 @@ static int rising(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Knots of a curve, and samples between where those of the grid, `spacing` apart, are too few. Counts them without `time`. */
+/* Adds the knots of a curve, and samples between them where the grid's `spacing` [s] gives too few. Without `time` it only
+ * counts them. */
 static int add_knots(const oracle_curve *c, double stop, double spacing, int finer, double *time) {
     int n = 0;
     for (int i = 0; i + 1 < c->count; i++) {
@@ -94,7 +95,7 @@ static void make_grid(finder *f, int finer) {
 
 /* -- what all pixels share ------------------------------------------------------------------------------------------------- */
 
-/* Splats by number. */
+/* Sorts the shown splats into tables by number: `all` and `boxes`; `order` keeps their numbers, nearest first. */
 static void by_number(const oracle_scene *s, const oracle_shown *shown, int count, oracle_shown *all, int *order, box *boxes) {
     for (int id = 0; id < s->splats; id++) {
         all[id].visible = 0;
@@ -111,7 +112,7 @@ static void by_number(const oracle_scene *s, const oracle_shown *shown, int coun
 static int first_pixel(double middle, double reach, int size) { return (int)fmin(fmax(floor(middle - reach - 1), 0), size); }
 static int last_pixel(double middle, double reach, int size) { return (int)fmax(fmin(ceil(middle + reach), size - 1), -1); }
 
-/* Adds what an interval's doubts may hide, pixel by pixel. */
+/* Adds to each pixel the change of L that the doubts of interval k may hide. */
 static void hide(const finder *f, int k, const oracle_shown *all) {
     const oracle_scene *s = f->scene;
     const double *image = f->image + (size_t)k * (size_t)f->pixels;
@@ -128,7 +129,7 @@ static void hide(const finder *f, int k, const oracle_shown *all) {
              y++)
             for (int x = x0; x <= x1; x++) {
                 const int at = y * s->width + x;
-                /* Twice: splats move on within the interval. */
+                /* The factor 2 allows for splats that move within the interval. */
                 hidden[at] += (float)(2 * share * oracle_doubt_size(d, i, j, x + 0.5, y + 0.5, exp(image[at]), f->growth[at]));
             }
     }
@@ -175,7 +176,7 @@ static int near_box(const box *a, const box *b, double x, double y) {
     return fabs(x - a->x) <= rx && fabs(y - a->y) <= ry;
 }
 
-/* Splats that may show in the pixel during the interval. */
+/* Lists the splats that may show in the pixel during the interval. */
 static void make_list(finder *f) {
     const oracle_scene *s = f->scene;
     const box *a = f->boxes + (size_t)f->interval * (size_t)s->splats, *b = a + s->splats;
@@ -192,7 +193,7 @@ static double look(finder *f, double t) {
     return oracle_point(s, f->list, f->listed, f->pixel % s->width, f->pixel / s->width, t) + leak_at(s, t);
 }
 
-/* The doubts of the interval that concern the pixel. */
+/* Collects the interval's doubts that can change the pixel. */
 static void own_doubts(finder *f) {
     const oracle_scene *s = f->scene;
     const size_t at = (size_t)f->interval * (size_t)f->pixels + (size_t)f->pixel;
@@ -221,7 +222,7 @@ static void own_doubts(finder *f) {
 
 static double doubt_of(const finder *f, double a, double b) {
     const double whole = f->time[f->interval + 1] - f->time[f->interval];
-    const double part = (b - a) / whole; /* as a bend does, it falls with the square */
+    const double part = (b - a) / whole; /* squared, since a bend falls with the square of the interval */
     double sum = FLOOR * fmin(f->scene->threshold_on, f->scene->threshold_off) * part * part + 1e-13;
     for (int k = 0; k < f->owns; k++) sum += f->own[k].size * oracle_doubt_share(f->own[k].doubt, a, b, whole);
     return sum;
@@ -240,8 +241,8 @@ static void emit(finder *f, double t, int polarity) {
     f->reference += polarity > 0 ? s->threshold_on : -s->threshold_off;
 }
 
-/* Where S passes a level between two times, on either side of it: by the secant that is drawn to the end that stays (Illinois),
- * by halves where that is slow; done once what is left is no more than a fifth of the least time by the same secant. */
+/* The time at which S passes `level` between a and b, which lie on either side of it. Regula falsi by the Illinois rule;
+ * each eighth step bisects. It ends when the same secant leaves less than a fifth of LEAST_S. */
 static double root(finder *f, spot a, spot b, double level) {
     double fa = a.s - level, fb = b.s - level, t = a.t;
     for (int k = 0; b.t - a.t > 0.2 * LEAST_S && k < 200; k++) {
@@ -261,7 +262,7 @@ static double root(finder *f, spot a, spot b, double level) {
     return t;
 }
 
-/* What is too short to be looked into. */
+/* Emits all events that are left at b, where [a, b] is too short to be divided further. */
 static void finish_short(finder *f, spot b) {
     for (;;) {
         if (b.s >= f->reference + f->scene->threshold_on)
@@ -273,7 +274,8 @@ static void finish_short(finder *f, spot b) {
     }
 }
 
-/* 1 where one level is surely passed between a and b, once, and the other surely not: an event, and `a` is there. */
+/* If S surely passes one level between a and b, and surely not the other, emits the event, moves `a` there and returns 1. e:
+ * the distance by which S may leave the range of its values at a and b. */
 static int pass_level(finder *f, spot *a, spot b, double e) {
     const double up = f->reference + f->scene->threshold_on, down = f->reference - f->scene->threshold_off;
     const int rises = b.s > a->s;
@@ -298,14 +300,14 @@ static void walk(finder *f, spot a, spot b, double bend) {
         if (pass_level(f, &a, b, e)) continue;
         spot middle = {0.5 * (a.t + b.t), 0};
         middle.s = look(f, middle.t);
-        /* Four times what is left of a smooth bend. */
+        /* Four times a smooth curve's largest distance from its chord on either half. */
         bend = 0.5 * fabs(a.s - 2 * middle.s + b.s);
         walk(f, a, middle, bend);
         a = middle;
     }
 }
 
-/* What the curve bends by within an interval, by the samples around both of its ends: four times what a smooth one does. */
+/* Bound on L's distance from its chord in interval k, by second differences at both ends: four times a smooth curve's. */
 static double bend_of(const finder *f, int k) {
     double most = 0;
     for (int i = k; i <= k + 1; i++) {

@@ -1,8 +1,9 @@
 /* The oracle's events: every crossing of every pixel of a scene, to a tenth of a nanosecond.
  *
- * An ideal comparator: ON where S - reference reaches threshold_on, OFF where it falls to -threshold_off, S = L + leak; the
- * reference moves by the threshold. L is sampled on a grid of times; between two of them it is looked at again wherever a
- * level is within what the curve may do unseen: bend (second differences), swap splats in depth, meet a kink. */
+ * An ideal comparator: ON where S - reference reaches threshold_on, OFF where it falls to -threshold_off; S = L + leak. Each
+ * event moves the reference by its threshold. L is sampled on a grid of times. Between two samples it is sampled again
+ * wherever a level is within the change that they may hide: by the curve's bend (second differences), splats that swap in
+ * depth, colours that meet their clamp. */
 #ifndef TESTS_ORACLE_EVENTS_H
 #define TESTS_ORACLE_EVENTS_H
 
@@ -14,15 +15,15 @@ typedef struct oracle_event {
     int polarity;
 } oracle_event;
 
-/* Pixel by pixel, each one's in the order of time. Owned: oracle_events_free. */
+/* Events pixel by pixel, each pixel's in order of time. To be freed by oracle_events_free. */
 typedef struct oracle_events {
     oracle_event *event;
     size_t count, capacity;
-    size_t *first;         /* (pixels + 1) */
-    size_t samples, looks; /* what it took: pixels on the grid, and single ones between */
+    size_t *first;         /* (pixels + 1) index of each pixel's first event */
+    size_t samples, looks; /* effort: pixels rendered on the grid, and single ones between */
 } oracle_events;
 
-/* `finer`: so many times as many samples, 1 for the usual. */
+/* `finer`: factor on the number of samples; 1: those of the scene's `spacing`. */
 oracle_events oracle_find_events(const oracle_scene *scene, int finer);
 void oracle_events_free(oracle_events *events);
 

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rules `smooth`, as docs and lib/render/rules.c's table state them. */
+/* Constants of image.rules `smooth` (docs/DESIGN.md 3.1). Splats fade in from depth NEAR to NEAR_FULL [scene units] and from
+ * alpha TAPER_BEGIN to TAPER_END. SOFT_DEPTH is relative; DILATION is added to variances [px^2]. */
 #define NEAR 0.2
 #define NEAR_FULL 0.25
 #define ALPHA_MAX 0.99
@@ -13,9 +14,9 @@
 #define TAPER_END (1.0 / 255)
 #define SOFT_DEPTH 1e-4
 #define DILATION 0.3
-#define MARGIN 0.3  /* of tan(fov/2): how far beyond the border the Jacobian goes on */
-#define BEYOND 16.0 /* d^T Q d from which on no alpha is above the taper's begin: 2 ln 2550 is 15.7 */
-#define FAR 40.0    /* e^-40 is nothing beside 1 */
+#define MARGIN 0.3  /* of tan(fov/2): the Jacobian's slopes are clamped so far beyond the border */
+#define BEYOND 16.0 /* d^T Q d above which alpha is below TAPER_BEGIN: 2 ln 2550 is 15.7 */
+#define FAR 40.0    /* splats further apart don't mix [soft depths]: e^-40 is below rounding */
 static const double luminance[3] = {0.2126, 0.7152, 0.0722};
 
 static double smootherstep(double x) {
@@ -25,7 +26,7 @@ static double smootherstep(double x) {
 
 /* -- light of colours (IEC 61966-2-1) ---------------------------------------------------------------------------------- */
 
-#define JOINT 0.04045 /* of colours: a straight line below */
+#define JOINT 0.04045 /* coded colours below it are linear in light */
 
 static double decoded(double colour) { return colour <= JOINT ? colour / 12.92 : pow((colour + 0.055) / 1.055, 2.4); }
 
@@ -35,7 +36,7 @@ double oracle_share_of(int channel) { return luminance[channel]; }
 
 double oracle_growth(const oracle_scene *s, double shown) {
     if (!s->coded) return 1;
-    const double most = coded_of(shown / luminance[2]); /* all light may be the channel's that is worth least */
+    const double most = coded_of(shown / luminance[2]); /* as if all light were in blue, which counts least */
     return fmax(1 / 12.92, 2.4 / 1.055 * pow((most + 0.055) / 1.055, 1.4));
 }
 
@@ -146,7 +147,7 @@ static void spread(const double row[2][3], oracle_shown *out) {
     const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
     const double xx = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], yy = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
     const double xy = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    /* |a x b|^2 is xx yy - xy^2 without the cancellation of a needle. */
+    /* |a x b|^2 is xx yy - xy^2 without its cancellation for long, thin splats. */
     const double det = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + DILATION * (xx + yy) + DILATION * DILATION;
     out->xx = (yy + DILATION) / det;
     out->xy = -xy / det;
@@ -155,7 +156,7 @@ static void spread(const double row[2][3], oracle_shown *out) {
     out->down = yy + DILATION;
 }
 
-/* A Gaussian at the view's time, at rest in its object or as keyframes have it: its mean there and before the camera. */
+/* A Gaussian at the view's time, at rest in its object or by keyframes: `mean` in the object, `p` in the camera's axes. */
 typedef struct placed {
     double mean[3], p[3], opacity, moved[9];
     const double *factor;
@@ -184,7 +185,7 @@ static void place(const oracle_object *o, const oracle_seen *seen, int i, placed
         at->p[k] = r[3 * k] * mean[0] + r[3 * k + 1] * mean[1] + r[3 * k + 2] * mean[2] + seen->shift[k];
 }
 
-/* All but depth and colour. */
+/* Projects a Gaussian: all of `out` but reach, depth and colours. */
 static void shape_of(const oracle_scene *s, const oracle_seen *seen, const placed *at, int id, oracle_shown *out) {
     const double *p = at->p;
     double row[2][3];
@@ -226,7 +227,7 @@ void oracle_project(const oracle_scene *s, const oracle_view *view, int id, orac
     look_of(s, seen, &at, out);
 }
 
-/* tau at a pixel; depth and colour where that isn't 0. */
+/* Returns tau at (x, y) [px]; depth and colours of `out` are set only where it isn't 0. */
 static double project_to(const oracle_scene *s, const oracle_view *view, int id, double x, double y, oracle_shown *out) {
     const oracle_seen *seen = &view->object[s->owner[id]];
     placed at;
@@ -254,9 +255,10 @@ void oracle_light_start(oracle_light *l) {
     l->left = 1;
 }
 
-/* Light goes a way of x on through what is open (docs/soft_order.md, "One step for each splat"). */
+/* Takes light through the open splats over a distance of x [soft depths]: left_after = left exp(-a (1 - e^-x)), and shown
+ * grows by b / a (left - left_after). docs/soft_order.md derives it. */
 static void pass(oracle_light *l, double x) {
-    if (l->open == 1 && x >= FAR) { /* alone: hard order */
+    if (l->open == 1 && x >= FAR) { /* one splat without others near it: hard order */
         for (int c = 0; c < 3; c++) l->shown[c] += l->left * l->tau * l->colour[c];
         l->left *= 1 - l->tau;
         l->open = 0;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What one run needs. */
+/* The library's objects for one run. */
 typedef struct library_world {
     tides_device *device;
     tides_scene *scene;
@@ -164,7 +164,7 @@ void library_run_free(library_run *run) {
 
 /* -- images ---------------------------------------------------------------------------------------------------------------- */
 
-/* What is left of a pixel's list changes L by no more than this. */
+/* Compositing of a pixel ends where all further splats change L by no more than this. */
 #define ALL_LIGHT 1e-15
 
 static tides_status compare_at(const oracle_scene *s, const library_world *w, tides_renderer *renderer, double time,
@@ -185,7 +185,8 @@ static tides_status compare_at(const oracle_scene *s, const library_world *w, ti
     return status;
 }
 
-/* Times all over a scene, every other one between two neighbouring samples of an object's path. */
+/* Time k of a comparison [s]: for even k anywhere in the run, for odd k between two neighbouring samples of an object's
+ * path. */
 static double time_of(const oracle_scene *s, int k) {
     const double share = fmod(0.5 + k * 0.6180339887498949, 1);
     const oracle_curve *path = &s->object[k / 2 % s->objects].path;

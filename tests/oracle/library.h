@@ -1,5 +1,5 @@
-/* The library's run of an oracle's scene: through its public interface, into memory, all settings the defaults but for what a
- * scene says. */
+/* Runs an oracle's scene in the library, through its public interface, and keeps the events in memory. Settings are
+ * defaults, except those that the scene has. */
 #ifndef TESTS_ORACLE_LIBRARY_H
 #define TESTS_ORACLE_LIBRARY_H
 
@@ -12,13 +12,13 @@ typedef struct library_run {
     tides_stats stats;
 } library_run;
 
-/* 1; 0 with a line in `said` where something fails. `stepping`: the defaults, or what is tried. */
+/* Returns 1, or 0 with the library's error in `said`. stepping: step control of the run. */
 int library_simulate(const oracle_scene *scene, const char *device, const tides_stepping *stepping, library_run *run,
                      tides_error *said);
 void library_run_free(library_run *run);
 
-/* The largest difference of the library's L, in double, with all splats blended, from the oracle's, over all pixels of `times`
- * times from a seed on; where it is. */
+/* The largest difference in L between the oracle and the library's double reference, with all splats blended, over all
+ * pixels at `times` times; and its time [s] and pixel. */
 typedef struct library_difference {
     double most, time;
     int x, y;

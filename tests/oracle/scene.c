@@ -36,7 +36,7 @@ void oracle_object_key(oracle_object *object, int moves, int frames, int law) {
 
 oracle_splat *oracle_object_frame(oracle_object *object, int frame, int i) {
     const size_t at = ((size_t)frame * (size_t)object->count + (size_t)i) * ORACLE_NUMBERS;
-    return (oracle_splat *)(void *)(object->keys.value + at); /* doubles and nothing else */
+    return (oracle_splat *)(void *)(object->keys.value + at); /* an oracle_splat has doubles alone */
 }
 
 oracle_curve oracle_path_make(int count, int law) {
@@ -45,7 +45,7 @@ oracle_curve oracle_path_make(int count, int law) {
     return path;
 }
 
-/* Quaternions of a path: of unit length, each near the one before. */
+/* Makes the quaternions of a path unit, each with the sign that is nearer to the one before; then computes its slopes. */
 static void straighten(oracle_curve *path) {
     for (int i = 0; i < path->count; i++) {
         double *q = path->value + 7 * i + 3, square = 0, along = 0;

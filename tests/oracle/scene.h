@@ -1,7 +1,7 @@
 /* The oracle's scenes. The oracle is a second simulator for tests: scenes, motion, image formation and comparator in double
  * precision, written from docs/ and the papers. It shares no code with the library, and includes none of its headers.
  *
- * Numbers of Gaussians are those of single precision, widened: what the library is given of them is the same. */
+ * The numbers of Gaussians are rounded to single precision, so that the library gets the same values. */
 #ifndef TESTS_ORACLE_SCENE_H
 #define TESTS_ORACLE_SCENE_H
 
@@ -14,7 +14,7 @@ typedef struct oracle_splat {
     double mean[3], quaternion[4], log_scale[3], logit, sh[ORACLE_SH][3];
 } oracle_splat;
 
-/* Its numbers one after the other, and where each part begins. */
+/* An oracle_splat is ORACLE_NUMBERS doubles; its parts begin at these. */
 enum {
     ORACLE_MEAN = 0,
     ORACLE_QUATERNION = 3,
@@ -27,29 +27,29 @@ enum {
 /* Parts that keyframes change. */
 enum { ORACLE_MOVES_MEAN = 1, ORACLE_MOVES_OPACITY = 2, ORACLE_MOVES_SH = 4, ORACLE_MOVES_SCALE = 8 };
 
-/* Gaussians that move as one, and, where they have keyframes, each by itself. */
+/* Gaussians that move together along `path`, and with keyframes each by itself. */
 typedef struct oracle_object {
-    oracle_curve path; /* (7) position, quaternion wxyz: object to world; no samples: at rest in the origin */
+    oracle_curve path; /* (7) position, quaternion wxyz: object to world; without samples: at the origin */
     int degree, count, capacity, moves;
     oracle_splat *splat;
     oracle_curve keys;   /* (count x ORACLE_NUMBERS), with `moves` */
-    double (*factor)[9]; /* rotation times scales of each as it is at rest, */
-    double *opacity;     /* and opacity */
+    double (*factor)[9]; /* (count) rotation times scales, at rest */
+    double *opacity;     /* (count) opacity, at rest */
 } oracle_object;
 
 typedef struct oracle_scene {
     char kind[32];
     unsigned long long seed;
-    double share; /* of a kind's width: 1, or less for small images */
+    double share; /* factor on the image's width: 1, or less for small images */
     int width, height;
-    int coded; /* colours are display-referred, coded as sRGB: composited as they are, and decoded then */
+    int coded; /* 1: colours are coded as sRGB; they are composited so, and decoded afterwards */
     double focal, background, log_eps, threshold_on, threshold_off, leak_hz, stop;
-    oracle_curve camera; /* (7) camera to world, OpenCV axes; no samples: in the origin */
+    oracle_curve camera; /* (7) camera to world, OpenCV axes; without samples: at the origin */
     oracle_object object[ORACLE_OBJECTS];
     int objects;
-    int splats;       /* of all objects, numbered through; */
-    int *owner, *own; /* (splats) the object of each, and its number there */
-    double spacing;   /* [s] of the samples that the event finder begins with */
+    int splats;       /* number of splats of all objects */
+    int *owner, *own; /* (splats) each one's object, and its number in it */
+    double spacing;   /* [s] between the samples that the event finder begins with */
 } oracle_scene;
 
 /* Appends a Gaussian to an object, its numbers rounded to single precision. */
@@ -61,7 +61,7 @@ oracle_splat *oracle_object_frame(oracle_object *object, int frame, int i);
 /* A path with room for samples, at rest in the origin. */
 oracle_curve oracle_path_make(int count, int law);
 
-/* Works out what is derived: slopes, factors, numbers. */
+/* Computes what follows from the rest: slopes, factors, opacities, the splats' numbers. */
 void oracle_scene_finish(oracle_scene *scene);
 void oracle_scene_free(oracle_scene *scene);
 

@@ -16,7 +16,7 @@
 
 enum { SCENES = 20, TIMES = 9, JOBS = 2, FINER = 4 };
 #define SHARE 0.5
-/* What rounding of either does to L where a pixel is dark. */
+/* Largest effect of rounding on L in dark pixels. */
 #define SAME_L 2e-12
 
 static unsigned long long first_seed(void) {
@@ -60,8 +60,9 @@ static void test_oracle_is_sure(void **state) {
     run_all(&options, oracle_world_kinds());
 }
 
-/* Of a million events. What is asked for is 5, each of them counted in events_uncertain: `make check-lost` says so of 500
- * scenes. Of these scenes' 255 328 events none is wrong, where 7d58106 had 59 926. */
+/* Limits per million events: MOST_WRONG lost or false ones, MOST_UNCERTAIN uncertain ones, and UNCERTAIN_EACH more for each
+ * wrong one. `make check-lost` holds them over 500 scenes. None of these scenes' 255 328 events is wrong; at commit 7d58106
+ * they had 59 926 wrong events. */
 #define MOST_WRONG 5
 #define UNCERTAIN_EACH 20
 #define MOST_UNCERTAIN 50
@@ -87,9 +88,9 @@ static void test_few_are_lost(void **state) {
     assert_true(uncertain <= UNCERTAIN_EACH * wrong + 1e-6 * MOST_UNCERTAIN * events);
 }
 
-/* Scenes that went wrong once: swaps within one body that a turning camera makes (a late event each, uncounted); many swaps in
- * steps as short as min_step_s, in which no sample showed that a level was near (570 and 281 ns late, and p99 said 4); swaps of
- * splats that keyframes move (a pixel wrong in each, uncounted). */
+/* Scenes that failed once, for three reasons: swaps within one body that a turning camera makes (one late event each, not
+ * counted as uncertain); many swaps in steps as short as min_step_s, in which no sample showed that a level was near (events
+ * 570 and 281 ns late, with a reported p99 of 4 ns); swaps of splats that keyframes move (a wrong pixel each, not counted). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;
@@ -113,7 +114,7 @@ static void test_mended(void **state) {
 }
 
 int main(void) {
-    /* Processes are started before this one has a device. */
+    /* Tests that start processes come first, before this process opens a device. */
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_oracle_is_sure), cmocka_unit_test(test_few_are_lost),
                                        cmocka_unit_test(test_mended), cmocka_unit_test(test_images),
                                        cmocka_unit_test(test_coded_images)};

@@ -1,4 +1,5 @@
-/* Runs trials, and applies the criteria of issue 38. */
+/* Runs trials in several processes and judges all of them: few events lost or false, each counted as uncertain, and reported
+ * errors no smaller than true ones. */
 #include "tests/oracle/trial.h"
 
 #include "tests/oracle/brute.h"
@@ -12,12 +13,12 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Of a million events: lost and false ones; uncertain ones where none is wrong. For each wrong one so many uncertain ones. */
+/* Limits per million events: lost or false ones; uncertain ones, and UNCERTAIN_EACH more for each wrong one. */
 #define MOST_WRONG 5.0
 #define MOST_UNCERTAIN 50.0
 #define UNCERTAIN_EACH 20.0
 #define MOST_RATIO 5.0 /* reported p95 over the true one, in the median */
-#define LEAST_NS 1.0   /* what is below it counts as it: the unit of event times */
+#define LEAST_NS 1.0   /* smaller true errors count as this: event times are whole nanoseconds */
 
 trial_options trial_defaults(void) {
     trial_options o = {.device = "cpu", .share = 1};
@@ -38,7 +39,7 @@ static void print_odd(void *user, const oracle_scene *s, int is_false, int pixel
            1e3 * nearest, 1e6 * (nearest - time));
 }
 
-/* The oracle's own events, of `finer` times as many samples, as a run. */
+/* The events of the oracle with `finer` times as many samples, in the form of a library's run. */
 static library_run run_of(const oracle_scene *s, int finer) {
     library_run run;
     oracle_events truth = oracle_find_events(s, finer);
@@ -77,7 +78,7 @@ static void compare_images(const oracle_scene *s, int times) {
         printf("%-10s %4llu images: %s\n", s->kind, s->seed, error.text);
 }
 
-/* Pixels spread over the image, every 50 ns. */
+/* Compares the events of `count` pixels, spread over the image, with samples every 50 ns. */
 static void compare_brute(const oracle_scene *s, int count) {
     oracle_events events = oracle_find_events(s, 1);
     const int pixels = s->width * s->height;
@@ -91,7 +92,7 @@ static void compare_brute(const oracle_scene *s, int count) {
     oracle_events_free(&events);
 }
 
-/* What is asked for in place of the library's events; 0: those. */
+/* Compares images or brute force if asked to, in place of the library's events; 0 if not asked to. */
 static int run_other(const trial_options *o, const oracle_scene *s) {
     if (o->images > 0) compare_images(s, o->images);
     if (o->brute > 0) compare_brute(s, o->brute);
@@ -167,7 +168,8 @@ static int by_size(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Reported over true, percentile `which`: the median of all scenes that have events, and in `least` the smallest. */
+/* Reported over true error at percentile `which` (0: p50, 1: p95, 2: p99): returns the median of all scenes with matched
+ * events; *least is the smallest. */
 static double ratio_of(const trial_result *results, int count, int which, double *least) {
     double *ratio = oracle_alloc((size_t)count, sizeof *ratio);
     int n = 0;

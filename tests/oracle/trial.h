@@ -7,9 +7,9 @@
 typedef struct trial_options {
     const char *device;
     tides_stepping stepping;
-    int dump, finer, images, brute; /* brute: so many pixels */
-    int coded;                      /* colours are sRGB's */
-    double share;                   /* of a kind's width */
+    int dump, finer, images, brute; /* finer: factor on samples; images: number of times; brute: of pixels */
+    int coded;                      /* 1: colours are coded as sRGB */
+    double share;                   /* factor on images' width */
 } trial_options;
 
 typedef struct trial_result {
@@ -21,11 +21,12 @@ typedef struct trial_result {
 /* All defaults. */
 trial_options trial_defaults(void);
 
-/* Scenes [0, count): all kinds in turn, or one (`kind` not below 0), from a seed on; in `jobs` processes, which are started
- * before any has a device. Each prints its line. How many of the results (count) are there: all but where a process died. */
+/* Runs `count` scenes, with seeds from `seed` on: all kinds in turn, or one (kind >= 0). They run in `jobs` processes, which
+ * are started before any has a device; each scene prints a line. Returns the number of results, which is less than count if
+ * a process died. */
 int trial_run_all(const trial_options *options, int kind, unsigned long long seed, int count, int jobs, trial_result *results);
 
-/* The criteria of issue 38 over all scenes, a line for each; and "N passed, N failed". How many failed. */
+/* Prints a line for each criterion over all scenes, then "N passed, N failed"; returns the number that failed. */
 int trial_sum_up(const trial_options *options, const trial_result *results, int count);
 
 #endif

@@ -1,11 +1,11 @@
-/* Matches two streams, pixel by pixel. */
+/* Matches the library's events with the oracle's, pixel by pixel. */
 #include "tests/oracle/verdict.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* An event that is as late as this is another crossing of its level: the one before it was missed. */
+/* Two events further apart than this [s] are different crossings of the level. */
 #define LIMIT_S 1e-4
 
 typedef struct spike {
@@ -16,7 +16,7 @@ typedef struct spike {
 typedef struct judge {
     const oracle_scene *scene;
     verdict *v;
-    double *errors; /* [s] of those whose times count */
+    double *errors; /* [s] of matched events whose times count */
     size_t count;
     verdict_odd *odd;
     void *user;
@@ -48,13 +48,14 @@ static void match(judge *j, const spike *a, const spike *b, int counts) {
     if (counts) j->errors[j->count++] = fabs(a->time - b->time);
 }
 
-/* What it costs to take a for b: nothing much where they are near; more than leaving both over where they can't be one. */
+/* Cost of matching a with b: below 0.5 if they may be the same event, else 3, which is more than leaving both over (2). */
 static double cost_of(const spike *a, const spike *b, double limit) {
     const double apart = fabs(a->time - b->time);
     return a->polarity != b->polarity || apart > limit ? 3 : 0.5 * apart / (apart + 1e-4);
 }
 
-/* cost (n + 1) x (m + 1): of what is left of both from (i, k) on, where fewest are left over. */
+/* cost (n + 1) x (m + 1): the lowest cost of matching the rest of a, from i on, with the rest of b, from k on. An event left
+ * over costs 1. */
 static double *costs_of(const spike *a, size_t n, const spike *b, size_t m, double limit) {
     double *cost = oracle_alloc((n + 1) * (m + 1), sizeof *cost);
     for (size_t i = n + 1; i-- > 0;)
@@ -68,7 +69,8 @@ static double *costs_of(const spike *a, size_t n, const spike *b, size_t m, doub
     return cost;
 }
 
-/* Takes them for each other so that fewest are left over, by dynamic programming. */
+/* Matches a with b at the lowest cost; events left over are lost (of a) or false (of b). counts: 1 if times of matched ones
+ * count. */
 static void align(judge *j, const spike *a, size_t n, const spike *b, size_t m, double limit, int counts) {
     double *cost = costs_of(a, n, b, m, limit);
     for (size_t i = 0, k = 0; i < n || k < m;) {
@@ -99,11 +101,11 @@ static void judge_pixel(judge *j, const spike *a, size_t n, const spike *b, size
     for (size_t k = 0; k < same; k++) match(j, &a[k], &b[k], 1);
     align(j, a + same, n - same, b + same, m - same, INFINITY, 0);
     if (j->v->lost + j->v->false_ones > before) return;
-    leave(j, 0, &a[same], b, m); /* as many, but at other times */
+    leave(j, 0, &a[same], b, m); /* as many events, but at other times */
     leave(j, 1, &b[same], a, n);
 }
 
-/* The library's events pixel by pixel: (count), those of pixel i from first[i] on. */
+/* Sorts the library's events by pixel: those of pixel i begin at first[i]. */
 static spike *sort_by_pixel(const oracle_scene *s, const library_run *run, size_t *first) {
     const size_t pixels = (size_t)s->width * (size_t)s->height;
     spike *sorted = oracle_alloc(run->count, sizeof *sorted);

@@ -13,18 +13,20 @@ typedef struct verdict {
     double run_s, oracle_s;
 } verdict;
 
-/* An event of one of the two that the other hasn't, and the nearest of its pixel that the other has (NAN: none) [s]. */
+/* Receives an event that only one stream has: the library's (is_false) or the oracle's. nearest: time of the other stream's
+ * nearest event at this pixel [s]; NAN: none. */
 typedef void verdict_odd(void *user, const oracle_scene *scene, int is_false, int pixel, double time, int polarity,
                          double nearest);
 
-/* A pixel's events are taken for each other in their order, of one polarity, no more than 0.1 ms apart, so that fewest are left
- * over. Where thresholds differ, all that follows a lost or false event of a pixel has another reference: there they are taken
- * for each other by polarity alone, and their times don't count. `odd` (nullable) is told of each that is left over. */
+/* Compares two streams. The events of a pixel are matched in their order, with equal polarity and at most 0.1 ms apart, so
+ * that fewest are left over. Where the two thresholds differ, a lost or false event changes the reference of all later ones
+ * of its pixel. These are then matched by polarity alone, and their times don't count. `odd` (nullable) receives each event
+ * left over. */
 verdict verdict_of(const oracle_scene *scene, const oracle_events *truth, const library_run *run, verdict_odd *odd, void *user);
 
-/* Event times are whole nanoseconds, floored: in their middle they are off by at most half of one. */
+/* Half of the unit in which the library's event times are floored [ns]: with it added, they are off by at most as much. */
 #define VERDICT_ROUNDING_NS 0.5
-/* How many of the three reported percentiles are smaller than the true ones, by more than that. */
+/* Number of the three reported percentiles that are smaller than the true ones by more than VERDICT_ROUNDING_NS. */
 int verdict_dishonest(const verdict *v);
 
 #endif

@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* An object on a parabola, whose depth goes 1e-3 past that of another for 0.2 to 12 ms (accelerations of 2e5 to 50 units/s^2),
- * and back: far from there it is far behind. */
+/* An object whose depth is a parabola in time: it comes 1e-3 before another object for 0.2 to 12 ms (accelerations of 2e5 to
+ * 50 units/s^2), and is far behind it before and after. */
 static void dip(oracle_scene *s, parts_seed *seed) {
     parts_camera(s, seed, 32, 0.03);
     const double past = 1e-3, lasts = parts_log(seed, 2e-4, 12e-3), a = 8 * past / (lasts * lasts);
@@ -80,7 +80,7 @@ static void sweep(oracle_scene *s, parts_seed *seed) {
     s->background = 0.1;
 }
 
-/* Splats with harmonics that a fast turn runs through. */
+/* Splats with spherical harmonics, on an object that turns fast. */
 static void harmonics(oracle_scene *s, parts_seed *seed) {
     static const double half[3] = {0.7, 0.5, 0.4};
     parts_camera(s, seed, 40, 0.02);
@@ -105,7 +105,7 @@ static void edge(oracle_scene *s, parts_seed *seed) {
     const double px = 2 / s->focal, light = parts_log(seed, 0.02, 5);
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++) {
-            /* At even places, so that rows and columns of pixels see the same. */
+            /* Splats stand evenly, so that all rows and columns of pixels see the same. */
             const oracle_splat one = parts_splat((x + 0.5) * px, (y + 0.5) * px, 1e-3 * x, 0.6 * px, 0.995, light);
             oracle_object_add(o, &one);
         }
@@ -122,7 +122,7 @@ static void edge(oracle_scene *s, parts_seed *seed) {
     s->background = 0.1;
 }
 
-/* An object that is elsewhere within 20 us, twice. */
+/* An object that leaps twice: it is at another place 20 us later. */
 static void leap(oracle_scene *s, parts_seed *seed) {
     static const double wide[3] = {1.2, 0.9, 0.3}, small[3] = {0.25, 0.25, 0.2};
     enum { SAMPLES = 6 };

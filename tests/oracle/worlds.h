@@ -7,9 +7,9 @@
 
 int oracle_world_kinds(void);
 const char *oracle_world_name(int kind);
-/* Below 0: none of that name. */
+/* The number of the kind called `name`; below 0 if there is none. */
 int oracle_world_named(const char *name);
-/* The scene of a kind and a seed, its image `share` as wide as it is by itself. Owned: oracle_scene_free. */
+/* Makes the scene of a kind and a seed; `share` scales its image's width. To be freed by oracle_scene_free. */
 oracle_scene oracle_world_make(int kind, unsigned long long seed, double share);
 
 #endif

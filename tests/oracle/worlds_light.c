@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Keyframed light every 5 ms, -0.5 to 0.8, for all splats of an object alike, each by its own share: it passes the clamp at 0
- * between frames. */
+/* Keyframes every 5 ms: a random light from -0.5 to 0.8, times each splat's own light. It passes the clamp at 0 between
+ * frames. */
 static void light_up(oracle_object *o, parts_seed *seed, double stop) {
     const int frames = (int)ceil(stop / 5e-3) + 1;
     oracle_object_key(o, ORACLE_MOVES_SH, frames, ORACLE_CATMULL_ROM);
@@ -25,7 +25,7 @@ static void any_camera(oracle_scene *s, parts_seed *seed, double speed) {
     s->camera = parts_path(&eye, s->stop, 31);
 }
 
-/* One wide splat. */
+/* One wide splat with keyframed light. */
 void oracle_lamp(oracle_scene *s, parts_seed *seed) {
     parts_camera(s, seed, 32 + 16 * parts_one_of(seed, 3), 5e-3 * (4 + parts_one_of(seed, 6)));
     s->threshold_on *= 3;
@@ -38,7 +38,7 @@ void oracle_lamp(oracle_scene *s, parts_seed *seed) {
     s->background = parts_one_of(seed, 2) ? 0 : 0.05;
 }
 
-/* A hundred, or a thousand, under one lamp. */
+/* A hundred or a thousand splats, under one keyframed light. */
 void oracle_lamps(oracle_scene *s, parts_seed *seed) {
     static const double half[3] = {1.1, 0.8, 0.5};
     const int many = parts_one_of(seed, 3) == 0;
@@ -55,7 +55,7 @@ void oracle_lamps(oracle_scene *s, parts_seed *seed) {
     s->background = parts_one_of(seed, 2) ? 0 : 0.05;
 }
 
-/* Each splat has a light of its own, of colours of its own, up to 10. */
+/* Each splat has keyframed colours of its own, up to 10. */
 void oracle_lights(oracle_scene *s, parts_seed *seed) {
     static const double half[3] = {0.9, 0.7, 0.4};
     parts_camera(s, seed, 32, 0.025);

@@ -37,7 +37,7 @@ static void add_facts(scene_bytes *to, int deflated, unsigned long crc, size_t p
     archive_number(to, extra, 2);
 }
 
-/* Of a wide archive, another extra field comes before the one that counts. */
+/* Adds a member's entry to the directory. In a wide archive another extra field comes before ZIP64's. */
 static void add_central(archive_make *archive, const char *name, int deflated, unsigned long crc, size_t packed, size_t size,
                         size_t offset) {
     scene_bytes *to = &archive->central;

@@ -14,18 +14,19 @@ typedef struct archive_make {
     int wide;
 } archive_make;
 
-/* Local headers get 8 bytes of extra field, as numpy and torch write (so sizes can't be taken for granted). */
+/* Adds a member, with 8 bytes of extra field in its local header, as numpy and torch write. So readers can't take the length
+ * of that field for granted. */
 void archive_add(archive_make *archive, const char *name, const void *data, size_t size, int deflated);
 
-/* Adds directory, end record and a comment; the caller frees what comes back. */
+/* Adds the directory, the end record and a comment, and returns the archive; the caller frees it. */
 scene_bytes archive_end(archive_make *archive);
 
-/* An .npy of format `version` with that header text. */
+/* Appends an .npy of format `version` with this header text. */
 void archive_npy(scene_bytes *to, int version, const char *header, const void *data, size_t size);
 
 /* -- pickles, protocol 2 -- */
 
-/* Bytes of a literal, without its terminator. */
+/* Appends the bytes of a string literal, without its terminator. */
 #define PICKLE(to, literal) scene_bytes_add(to, literal, sizeof(literal) - 1)
 
 void pickle_text(scene_bytes *to, const char *text);
@@ -37,7 +38,7 @@ void pickle_storage(scene_bytes *to, const char *type, const char *key, int32_t 
 void pickle_tensor(scene_bytes *to, const char *type, const char *key, int32_t count, int32_t offset, int ndim,
                    const int32_t *shape, const int32_t *stride);
 
-/* torch.save's archive of a pickle and its storages ("0", "1" ..), with "made" for a stem. */
+/* The archive that torch.save makes of a pickle and its storages ("0", "1" ..), in a folder "made". */
 typedef struct pickle_storage_bytes {
     const void *data;
     size_t size;

@@ -20,7 +20,8 @@ static long double luminance(const equation *at, long double s) {
     return Y > 0 ? Y : 0;
 }
 
-/* d state / ds; returns the largest rate per second. state: S, y, y' [1/s], source follower. */
+/* d state / ds, where s is time over the step's length h; returns the largest rate [1/s]. state: S, y, y' [1/s], source
+ * follower. */
 static long double rates(const equation *at, long double s, const long double state[4], long double dot[4]) {
     const tides_sensor *sensor = at->sensor;
     const tides_circuit *c = &sensor->circuit;

@@ -5,8 +5,8 @@
 
 #include "sensor/response/td_frontend.h"
 
-/* Over the part [0, s] of a step of h seconds: `state` as td_frontend_rest has it, and S is returned. `fineness` is the product
- * of the largest rate and the step's length in which Runge-Kutta steps. */
+/* Integrates over the part [0, s] of a step of h seconds (s from 0 to 1) and returns S. `state` begins as td_frontend_rest
+ * sets it. `fineness`: largest rate times length of a Runge-Kutta step. */
 long double oracle_advance(const tides_sensor *sensor, double h, const td_model *input, double log_eps, double s,
                            double fineness, long double state[TD_FRONTEND_STATE]);
 

@@ -6,21 +6,22 @@
 
 enum { GLTF_COUNT = 3, GLTF_ROOM = 1 << 14 };
 
-/* What a test may change. */
+/* The file to make. A test changes fields of a plain one, {0}. */
 typedef struct gltf_recipe {
     int degree;
-    const char *find, *replacement; /* in the JSON, once; NULL: nothing */
-    int logarithms;                 /* of scales: 1 */
+    const char *find, *replacement; /* replaced once in the JSON; NULL: nothing */
+    int logarithms;                 /* 1: scales are logarithms */
 } gltf_recipe;
 
-/* Number c of Gaussian i's attribute: POSITION, ROTATION, SCALE, OPACITY, then coefficients of SH. */
+/* Number c of an attribute of Gaussian i. Attributes: 0 POSITION, 1 ROTATION, 2 SCALE, 3 OPACITY, then coefficients of SH. */
 double gltf_value(int attribute, int i, int c);
 
-/* Its only buffer, all attributes as floats, one after the other; the JSON, with `buffer` in that one's description. */
+/* The file's only buffer: all attributes as floats, one after the other. Then its JSON, with the text `buffer` in the
+ * description of that buffer. */
 scene_bytes gltf_binary(const gltf_recipe *r);
 scene_bytes gltf_text(const gltf_recipe *r, const char *buffer);
 
-/* A binary file of the two, which are freed. */
+/* A .glb file of both parts, which are freed. */
 scene_bytes gltf_glb_of(scene_bytes json, scene_bytes chunk);
 scene_bytes gltf_glb(const gltf_recipe *r);
 

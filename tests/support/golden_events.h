@@ -17,7 +17,7 @@ typedef struct golden_movie {
     int32_t width, height;
 } golden_movie;
 
-/* The frames of `path`, unless `movie` has them already; 0, or -1 where they can't be read. Starts from zeros. */
+/* Reads the frames of `path`, unless `movie` (zeroed at first) has them already; returns 0, or -1 if they can't be read. */
 int golden_movie_load(golden_movie *movie, const char *path);
 void golden_movie_free(golden_movie *movie);
 
@@ -27,16 +27,16 @@ typedef struct golden_stream {
     size_t count, capacity;
 } golden_stream;
 
-/* A sink that collects. */
+/* A sink that appends events to a golden_stream. */
 int golden_keep(void *stream, const tides_event *events, size_t count);
 
-/* Events of a file whose times count `unit` nanoseconds each. */
+/* The events of a file, sorted; its times are in units of `unit` nanoseconds. */
 golden_stream golden_stream_read(npz *file, double unit);
 
-/* By pixel, then as the stream is: for qsort. */
+/* Compares two events by pixel, then time, then polarity; for qsort. */
 int golden_compare_places(const void *a, const void *b);
 
-/* A method on all frames; a failure ends the test. */
+/* The events of a method for all frames; a failure ends the test. */
 golden_stream golden_simulate(const tides_baseline_params *params, const golden_movie *movie);
 
 /* One file, its frames and its parameters. */
@@ -45,15 +45,15 @@ typedef struct golden_file {
     const golden_movie *movie;
     npz *file;
     const cJSON *params;
-    int compared; /* out */
+    int compared; /* output: number of comparisons that `visit` made */
 } golden_file;
 
 /* A parameter, or `otherwise`. */
 double golden_number(const cJSON *params, const char *key, double otherwise);
 
-/* Calls `visit` for each .npz below golden/ of the shared data whose name holds `part` and that has frames; how many it
- * compared. Scene A is left out: it comes back to its levels exactly, where rounding decides what fires (the notes on
- * simulators, 3). */
+/* Calls `visit` for each .npz below golden/ of the shared data whose name holds `part` and that has frames; returns the sum
+ * of their `compared`. Scene A is left out: its signal returns to levels exactly, so that rounding decides whether a pixel
+ * fires. */
 size_t golden_visit(const char *part, void (*visit)(golden_file *file));
 
 #endif

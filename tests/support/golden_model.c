@@ -59,6 +59,6 @@ static int visit(void *user, const char *path, const char *name) {
 }
 
 void golden_model_check(const char *relative, const golden_model *model) {
-    golden_model copy = *model; /* visitors take what they may write to */
+    golden_model copy = *model; /* the visitor's argument isn't const */
     golden_folder(relative, "", visit, &copy);
 }

@@ -11,7 +11,7 @@ enum { GOLDEN_DOUBLE = 0, GOLDEN_SINGLE = 1, GOLDEN_PRECISIONS = 2 };
 static const double golden_tolerance[GOLDEN_PRECISIONS] = {1e-12, 1e-5};
 static const char *const golden_precision[GOLDEN_PRECISIONS] = {"double", "single"};
 
-/* An array of the file as floats or doubles, which must be there; `*count` (nullable) elements. Freed with free(). */
+/* An array of the file as floats or doubles, which must exist; *count (nullable): its elements. Freed with free(). */
 float *golden_floats(npz *file, const char *name, size_t *count);
 double *golden_doubles(npz *file, const char *name, size_t *count);
 
@@ -19,12 +19,12 @@ double *golden_doubles(npz *file, const char *name, size_t *count);
 move_rows golden_move(const tides_motion *motion, const tides_gaussians *gaussians, double tau, int fades, int precision);
 void golden_rows_free(move_rows *rows);
 
-/* What the rows' factor and its rate must be for these raw quaternions and log scales, (count x 9). */
+/* The factors R diag(s) and their rates, (count x 9), that rows must have for these raw quaternions and log scales. */
 void golden_factors(const double *quaternion, const double *quaternion_dot, const float *log_scale, int count, double *factor,
                     double *factor_dot);
 
-/* `count` rows of `width`: entries from `at` on in rows of `stride` against `expected`, relative to the largest number in
- * `expected`; `keep` (nullable) leaves rows out. */
+/* A part of rows to compare: in `count` rows of `stride` numbers, `width` entries from `at` on. Errors are relative to the
+ * largest number in `expected`; `keep` (nullable): 0 leaves a row out. */
 typedef struct golden_part {
     const char *file, *name;
     int count, width, at, stride;

@@ -16,7 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* How each mode of the files is made from our rules. */
+/* The rules and antialiasing that make each mode of the files. */
 typedef struct golden_mode {
     const char *name;
     int rules, antialias;
@@ -140,7 +140,7 @@ void golden_backdrop(const golden_file *file, int time, double reals[TD_BACKDROP
     memcpy(reals, &backdrop, sizeof backdrop);
 }
 
-/* What the modes have that our rules don't offer to users. */
+/* Sets the differences of a mode that no rule of image.rules has. */
 static void adjust(const golden_file *file, td_image *image) {
     if (strcmp(file->mode, "ideal") == 0) {
         image->cut = image->cut_full = 0;

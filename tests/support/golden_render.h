@@ -29,7 +29,7 @@ td_store golden_store(const golden_file *file, int time, int sh_degree);
 void golden_view(const golden_file *file, int time, double view[TD_VIEW_REALS]);
 void golden_backdrop(const golden_file *file, int time, double backdrop[TD_BACKDROP_REALS]);
 
-/* The file's mode as our numbers; golden_coded_image: of colours that are of light what TIDES_TRANSFER_* says. */
+/* The image's numbers for the file's mode. golden_coded_image: for colours that code light as `transfer` (TIDES_TRANSFER_*). */
 td_image_numbers golden_image(const golden_file *file, int sh_degree, int outputs);
 td_image_numbers golden_coded_image(const golden_file *file, int sh_degree, int outputs, int32_t transfer, double gamma);
 
@@ -50,16 +50,17 @@ enum {
     SPLAT_REALS = 36
 };
 
-/* One Gaussian on its way to the screen, with rates. Rotation instead of the quaternion, whose sign means nothing. */
+/* One Gaussian's quantities from activation to the screen, with rates. It has the rotation instead of the quaternion, whose
+ * sign means nothing. */
 typedef struct golden_splat {
     double value[SPLAT_REALS], rate[SPLAT_REALS];
     int visible; /* in front of the camera and above the cut */
 } golden_splat;
 
-/* What the file says, in our convention of pixel centres; `visible` stays 0 (the file has `keep`). */
+/* The file's values, in our convention of pixel centres; `visible` stays 0 (the file has `keep`). */
 void golden_expected(const golden_file *file, int time, int gaussian, golden_splat *splat);
 
-/* What kernels/ make of it in each precision (golden_project_f32.c, golden_project_f64.c), and whether the rectangle holds the
+/* The values that the functions of kernels/ compute in each precision. golden_tile: 1 if the splat's rectangle holds the
  * tile whose top left pixel is (x, y). */
 void golden_project_f64(const td_image_numbers *image, const double *view, const td_store *store, int gaussian,
                         golden_splat *splat);

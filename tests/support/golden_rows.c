@@ -40,7 +40,8 @@ static void drop(slice *s) {
     free(s->all_dot);
 }
 
-/* M = R(q) diag(s) with R's formula for unit quaternions, and its rate: bilinear in products of q. */
+/* The bilinear form R(a, b) of two quaternions, with R(q, q) the rotation of unit q; constant: 1, or 0 for a rate, R(q_dot,
+ * q) + R(q, q_dot). */
 static void rotate(const double a[4], const double b[4], double constant, double r[9]) {
     double n[3][3];
     for (int i = 0; i < 3; i++)
@@ -70,7 +71,7 @@ static double largest(const double *array, size_t count) {
     return most;
 }
 
-/* Entries [at, at + width) of every row (stride apart) against an array. */
+/* Largest difference of entries [at, at + width) of every row from an array, relative to the array's largest number. */
 static double difference(const double *rows, size_t count, size_t stride, size_t at, const double *array, size_t width) {
     double most = 0, scale = largest(array, count * width);
     for (size_t i = 0; i < count; i++)

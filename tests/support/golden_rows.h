@@ -1,5 +1,5 @@
-/* Test support: rows of geometry against other people's means, scales, rotations, opacities and spherical harmonics. Errors
- * fail the running cmocka test. */
+/* Test support: compares rows of geometry with means, scales, rotations, opacities and spherical harmonics of other people's
+ * code. Errors fail the running cmocka test. */
 #ifndef TESTS_SUPPORT_GOLDEN_ROWS_H
 #define TESTS_SUPPORT_GOLDEN_ROWS_H
 
@@ -16,7 +16,7 @@ typedef struct golden_errors {
     double value, rate;
 } golden_errors;
 
-/* Rows at the `time`-th time of the file; `rates` 0 leaves the rates out. */
+/* Compares rows with time number `time` of the file; `rates` 0 leaves rates out. */
 void golden_rows_compare(npz *file, const golden_names *names, size_t time, const motion_rows *rows, int rates,
                          golden_errors *errors);
 

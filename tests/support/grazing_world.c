@@ -19,8 +19,8 @@ enum { WIDTH = 20, HEIGHT = 10 };
 #define FOCAL (1.25 * WIDTH)
 #define PX (2 / FOCAL) /* scene units of a pixel at depth 2, where things are */
 
-/* Numbers are picked one after the other in statements of their own: in which order arguments are worked out is the compiler's
- * choice, and the worlds of two were others. */
+/* Each number is picked in a statement of its own: compilers choose the order in which arguments are evaluated, and two
+ * compilers would make different worlds. */
 static double pick(uint64_t *seed, double lower, double upper) { return scene_between(seed, lower, upper); }
 static double pick_log(uint64_t *seed, double lower, double upper) { return world_between_log(seed, lower, upper); }
 static double sign(uint64_t *seed) { return scene_next(seed) % 2 ? 1 : -1; }
@@ -36,14 +36,14 @@ static void textured_ground(judged *j, uint64_t *seed) {
     world_add(j->scene, &wall, NULL);
 }
 
-/* Adds the set on a path that is steady but for what `s` says. */
+/* Adds the set on a path: steady, plus the shaking of `s`. */
 static void add_on_path(judged *j, splat_set *set, const shaking *s) {
     tides_trajectory *path = shaking_path(s, 0, j->stop, 1e-3, 1);
     world_add(j->scene, set, path);
     tides_trajectory_destroy(path);
 }
 
-/* A ball that is in view for some of the time, at `pixels_per_s`. */
+/* A ball that passes the view at a random time, at `pixels_per_s`. */
 static void add_ball(judged *j, uint64_t *seed, double pixels_per_s, double opacity) {
     const double angle = pick(seed, 0, 2 * WORLD_PI), speed = pixels_per_s * PX;
     const double x = pick(seed, -5, 5) * PX, y = pick(seed, -3, 3) * PX, time = pick(seed, 0, j->stop);
@@ -54,7 +54,7 @@ static void add_ball(judged *j, uint64_t *seed, double pixels_per_s, double opac
     add_on_path(j, &set, &s);
 }
 
-/* A ball that isn't quite opaque, from so slow on to so fast [px/s]. */
+/* A ball that isn't quite opaque, at a random speed from `slow` to `fast` [px/s]. */
 static void add_any_ball(judged *j, uint64_t *seed, double slow, double fast) {
     const double opacity = pick(seed, 0.2, 0.99), pixels_per_s = pick_log(seed, slow, fast);
     add_ball(j, seed, pixels_per_s, opacity);
@@ -77,7 +77,7 @@ static void balls(judged *j, uint64_t *seed) {
     for (int i = 0; i < 4; i++) add_any_ball(j, seed, 20, 1000);
 }
 
-/* Turning points: it comes, stops and goes back. */
+/* Turning points: a ball comes, stops and goes back. */
 static void ball_that_turns(judged *j, uint64_t *seed) {
     flat_ground(j, seed);
     const double hz = pick_log(seed, 5, 60), y = pick(seed, -1, 1) * PX, phase = pick(seed, 0, 6);
@@ -143,7 +143,7 @@ static void dolly(judged *j, uint64_t *seed) {
     camera_over(j, seed, &s);
 }
 
-/* Of up to two pixels. */
+/* Shaking with an amplitude of up to two pixels. */
 static waves pick_shaking(uint64_t *seed, double pixel) {
     const double phase = pick(seed, 0, 6), hz = pick_log(seed, 2, 40), amplitude = pick(seed, 0, 2) * pixel;
     return waves_one(amplitude, hz, phase);

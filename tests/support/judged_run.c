@@ -82,7 +82,7 @@ static cubic cubic_through(double s0, double d0, double s1, double d1) {
 
 static double cubic_at(const cubic *c, double u) { return ((c->c3 * u + c->c2) * u + c->c1) * u + c->c0; }
 
-/* Where its slope changes sign within (0, 1), ascending; how many. */
+/* Finds the places in (0, 1) where the cubic's slope changes sign, ascending; returns their number. */
 static int turning_points(const cubic *c, double at[2]) {
     const double a = 3 * c->c3, b = 2 * c->c2, discriminant = b * b - 4 * a * c->c1;
     int count = 0;
@@ -99,7 +99,7 @@ static int turning_points(const cubic *c, double at[2]) {
     return count;
 }
 
-/* On a monotone piece that passes `level`. */
+/* The place in [low, high] where a monotone piece passes `level`. */
 static double bisect(const cubic *c, double low, double high, double level) {
     const int rises = cubic_at(c, high) > cubic_at(c, low);
     for (int i = 0; i < 60; i++) {
@@ -229,7 +229,7 @@ static tides_match match_of(const judged_stream *exact, const judged_stream *str
 /* -- events that are the same ones ------------------------------------------------------------------------------------------
  * */
 
-/* A stream pixel by pixel, each pixel's in time order as they came: those of pixel i from first[i] on. */
+/* A stream sorted by pixel: those of pixel i begin at first[i], in the order of the stream. */
 typedef struct by_pixel {
     tides_event *events;
     size_t *first;
@@ -252,7 +252,7 @@ static void free_by_pixel(by_pixel *sorted) {
     free(sorted->first);
 }
 
-/* Of two pixels' events: as many of both polarities? */
+/* 1 if two lists have equal numbers of ON and of OFF events. */
 static int same_counts(const tides_event *a, size_t a_count, const tides_event *b, size_t b_count) {
     long up = 0;
     for (size_t k = 0; k < a_count; k++) up += a[k].polarity;
@@ -260,7 +260,7 @@ static int same_counts(const tides_event *a, size_t a_count, const tides_event *
     return a_count == b_count && up == 0;
 }
 
-/* How many of them, from the first on, are of the same polarity and no further apart than limit_s. */
+/* The number of events, from the first on, that have equal polarity and are no further apart than limit_s. */
 static size_t agree(const tides_event *a, size_t a_count, const tides_event *b, size_t b_count, double limit_s) {
     size_t k = 0;
     while (k < a_count && k < b_count && a[k].polarity == b[k].polarity && 1e-9 * fabs((double)(a[k].t - b[k].t)) <= limit_s)
@@ -268,8 +268,8 @@ static size_t agree(const tides_event *a, size_t a_count, const tides_event *b, 
     return k;
 }
 
-/* Times of events that are the same ones: all of a pixel where it has as many of either polarity as it should; and elsewhere
- * those before the first that isn't there, or shouldn't be. */
+/* Compares times of events that are the same in both streams: all of a pixel where numbers of each polarity agree; elsewhere
+ * those before the first that is missing or false. */
 static void judge_streams(const judged *j, const judged_stream *exact, const judged_stream *stream, double limit_s,
                           judged_verdict *v) {
     const size_t pixels = (size_t)j->intrinsics.width * (size_t)j->intrinsics.height;
@@ -294,7 +294,7 @@ static void judge_streams(const judged *j, const judged_stream *exact, const jud
     free(made.events);
 }
 
-/* Nothing that would show beside the errors measured. */
+/* 1 if the last halving of the frames' spacing moved exact events by less than `share` of the errors measured. */
 static int is_settled(const tides_match *halved, const tides_match *measured, double share) {
     const double moved[3] = {halved->dt_median_us, halved->dt_p95_us, halved->dt_p99_us};
     const double errors[3] = {measured->dt_median_us, measured->dt_p95_us, measured->dt_p99_us};
@@ -327,7 +327,7 @@ judged_verdict judged_against_exact(const judged *j, const char *device, const j
 }
 
 judged_verdict judged_against(const judged *j, const char *device, double limit_s, const judged_stream *exact) {
-    judged_verdict v = {.frames = 0}; /* halved by nothing */
+    judged_verdict v = {.frames = 0}; /* exact events are given: none were computed */
     judged_stream simulated = {0};
     if (!judged_simulate(j, device, &simulated, &v.stats)) skip();
     judge_streams(j, exact, &simulated, limit_s, &v);
@@ -336,7 +336,7 @@ judged_verdict judged_against(const judged *j, const char *device, double limit_
 }
 
 static int holds(double reported_s, double measured_us, double moved_us) {
-    if (!isfinite(measured_us)) return 1; /* nothing matched: another test's matter */
+    if (!isfinite(measured_us)) return 1; /* nothing matched, which another test reports */
     return measured_us - (isfinite(moved_us) ? moved_us : 0) <= fmax(1e6 * reported_s, UNIT_US);
 }
 

@@ -1,5 +1,5 @@
-/* Test support: settings for tests of step control, independent of the defaults: the model decides event times, in steps of
- * whole tiles. */
+/* Test support: steps for tests of step control, which don't change with the defaults. The model decides event times, and
+ * each tile has its own steps. */
 #ifndef TESTS_SUPPORT_MODEL_STEPS_H
 #define TESTS_SUPPORT_MODEL_STEPS_H
 

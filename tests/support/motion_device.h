@@ -14,22 +14,22 @@ typedef struct motion_device {
     td_buffer mover, data, moment, jobs, index, geometry, rates, sh, sh_rates;
 } motion_device;
 
-/* Fails the test (abort) where that fails. `device` is open and set to its width. */
+/* Puts a motion on an open device; aborts if that fails. */
 motion_device motion_device_make(tides_device *device, const packed_motion *packed, int capacity, int sh_stride);
 void motion_device_free(motion_device *on);
 
-/* Sets what the next launches work out: Gaussians index[0 .. count) (NULL: all in order) in jobs of at most `job_size`. */
+/* Sets the Gaussians of the next launches: index[0 .. count), or all in order if NULL, in jobs of at most `job_size`. */
 void motion_device_set(motion_device *on, const int *index, int count, int job_size);
 
-/* Seconds of a launch: on the clock, and of all the process's threads together (a machine with other work to do shows there
- * what the work takes). */
+/* Time of a launch [s]: elapsed, and used by all threads of the process together. On a busy machine only the second is the
+ * work's own. */
 typedef struct motion_time {
     double elapsed, processor;
 } motion_time;
 motion_time motion_time_now(void);
 motion_time motion_time_since(motion_time begun);
 
-/* One launch at own time tau, finished. */
+/* Launches once at the motion's own time tau, and waits. */
 motion_time motion_device_run(motion_device *on, double tau, int side);
 
 /* The rows of the last launch. */

@@ -12,23 +12,23 @@ typedef struct packed_motion {
     int count; /* Gaussians */
 } packed_motion;
 
-/* Packs; fails the test where that fails. */
+/* Packs a motion; aborts if that fails. */
 packed_motion packed_motion_make(const tides_motion *motion, const tides_gaussians *gaussians);
 void packed_motion_free(packed_motion *packed);
 
-/* Rows in double, whatever they were worked out in. Rates per unit of own time. */
+/* Rows as doubles, computed in either precision. Rates are per unit of the motion's own time. */
 typedef struct motion_rows {
     int count, sh_stride;
     double *geometry, *rates; /* (count x TD_GEOMETRY_STRIDE) */
     double *sh, *sh_rates;    /* (count x sh_stride) where the model moves SH, else NULL */
 } motion_rows;
 
-/* Rows of Gaussians index[0 .. count) (NULL: all) at own time tau. */
+/* Rows of Gaussians index[0 .. count) (NULL: all in order) at the motion's own time tau. */
 motion_rows motion_rows_f64(const packed_motion *packed, double tau, int side, const int *index, int count, int sh_stride);
 motion_rows motion_rows_f32(const packed_motion *packed, double tau, int side, const int *index, int count, int sh_stride);
 void motion_rows_free(motion_rows *rows);
 
-/* Those Gaussians as move.h takes them; everything is borrowed. */
+/* A job of move.h for these Gaussians; all pointers are borrowed. */
 move_job motion_rows_job(const packed_motion *packed, const double *moment, const int *gaussian, int count);
 
 /* Empty rows to fill. */

@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-/* What a td_mover_numbers and a moment hold. */
+/* The numbers of a td_mover_numbers and a moment, and the Gaussians to move. */
 typedef struct move_job {
     int model, fades, moves_sh;
     const double *real; /* (TD_MOVER_REALS) */

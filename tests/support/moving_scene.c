@@ -15,7 +15,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A number in [-1, 1) from a counter: the same for the same three, whatever is asked for before (splitmix64). */
+/* A number in [-1, 1) that depends on its three arguments alone (splitmix64). */
 static double random_number(uint64_t seed, uint64_t gaussian, uint64_t which) {
     uint64_t x = seed * 0x9e3779b97f4a7c15u + gaussian * 0xbf58476d1ce4e5b9u + which * 0x94d049bb133111ebu;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;

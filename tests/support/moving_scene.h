@@ -5,8 +5,9 @@
 
 #include "tests/support/random_scene.h"
 
-/* The host's model, "bent": the mean goes in a straight line that is bent at the knot, colour (SH) and opacity change with
- * time; own time is [2, 5], the knot at 2 + 3 KNOT. Gaussians whose number is a multiple of 3 rest. */
+/* The motion "bent", which the host computes: the mean moves on a straight line with a bend at the knot; colour (SH) and
+ * opacity change with time. Own time is [2, 5], the knot at 2 + 3 MOVING_KNOT. Gaussians whose number is a multiple of 3
+ * rest. */
 tides_motion *bent_motion_make(uint64_t seed, double speed);
 
 #define MOVING_KNOT 0.4375 /* of the duration */
@@ -15,13 +16,13 @@ tides_motion *bent_motion_make(uint64_t seed, double speed);
 tides_motion *polynomial_motion_make(uint64_t seed, int64_t count, double speed);
 
 typedef struct moving_scene {
-    random_scene base; /* camera and path; its scene is the same objects without their motions */
+    random_scene base; /* camera and path; its scene has the objects without motions */
     tides_scene *scene;
 } moving_scene;
 
 /* Objects 0 (at rest), 1 (polynomial, rigid motion), 2 (bent, rigid motion); all motions last 1 s. */
 moving_scene moving_scene_make(const random_recipe *recipe, double speed);
-/* A small one for runs: 43x37 px, a camera that moves, harmonics of degree 1, objects that go 1 in the motion's time. */
+/* A small scene for runs: 43x37 px, a moving camera, SH of degree 1, motions of speed 1. */
 moving_scene moving_scene_small(uint64_t seed);
 void moving_scene_free(moving_scene *scene);
 

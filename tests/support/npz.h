@@ -17,7 +17,7 @@ void npz_close(npz *file);
 size_t npz_count(const npz *file);
 const char *npz_name(const npz *file, size_t index);
 
-/* One array, read when first asked for; NULL where absent (silent), or where it can't be read (reason on stderr). */
+/* One array, read at the first call; NULL if absent (silent) or unreadable (reason on stderr). */
 const npz_array *npz_get(npz *file, const char *name);
 
 /* Any numeric array as doubles, `*count` (nullable) of them; the caller frees it. NULL where absent or not numeric. */

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* An environment variable's, or, where it isn't set, `fallback`. */
+/* The number in an environment variable; `fallback` if it isn't set. */
 static inline uint64_t number_of(const char *variable, uint64_t fallback) {
     const char *text = getenv(variable);
     return text && *text ? strtoull(text, NULL, 10) : fallback;

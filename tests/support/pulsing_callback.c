@@ -11,7 +11,7 @@
 
 #include <math.h>
 
-/* To `rows` values and their rates. */
+/* Adds `value` to `rows` values, and `rate` to their rates. */
 static void add(double value, double rate, double *values, double *rates, int rows) {
     for (int k = 0; k < rows; k++) {
         values[k] += value;

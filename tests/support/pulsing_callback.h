@@ -1,5 +1,4 @@
-/* Test support: a pulsing motion (sums of sines, as the keyframes of splat_world.h have it) as a function of time, with its
- * rates. */
+/* Test support: a motion by a callback whose parameters are sums of sines, with exact rates. */
 #ifndef TESTS_SUPPORT_PULSING_CALLBACK_H
 #define TESTS_SUPPORT_PULSING_CALLBACK_H
 

@@ -1,4 +1,5 @@
-/* Seeded random motions: parameters of ordinary sizes, so that everything moves by some of its own size over the range. */
+/* Makes seeded random motions. Parameters have ordinary sizes, so that each quantity changes by about its own size over the
+ * range. */
 #include "tests/support/random_motion.h"
 
 #include <stdarg.h>
@@ -12,7 +13,7 @@
 
 enum { N = RANDOM_MOTION_GAUSSIANS, T = RANDOM_MOTION_FRAMES };
 
-/* Nearly scene_next: splitmix64 less its last mixing, which golden/runs.txt has the numbers of; in [0, 1). */
+/* A number in [0, 1) by splitmix64 without its last mixing. tests/golden/runs.txt depends on these numbers. */
 static double next(uint64_t *state) {
     uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -101,7 +102,7 @@ static tides_motion *standing_rotor(uint64_t *state, const tides_gaussians *gaus
     return rotor_of(state, gaussians, 0, 0);
 }
 
-/* Frames at uneven times, far from 0 (as a long sequence's are). */
+/* Frames at uneven times far from 0, as in a long sequence. */
 static tides_motion *keyframes_of(uint64_t *state, const tides_gaussians *gaussians, int all, int catmull_rom) {
     tides_error error = {0, ""};
     tides_motion *motion = NULL;

@@ -13,7 +13,7 @@ typedef struct random_motion {
     tides_motion *motion;
 } random_motion;
 
-/* What kinds there are. */
+/* Number of kinds. */
 int random_motion_kinds(void);
 random_motion random_motion_make(int kind, uint64_t seed);
 void random_motion_free(random_motion *made);

@@ -6,7 +6,7 @@
 
 typedef struct random_gaussians {
     tides_gaussians view;
-    float *values; /* owned: what the view points into */
+    float *values; /* owned; the view points into it */
 } random_gaussians;
 
 /* Means uniform in a box of half side `spread` around the origin. */
@@ -21,7 +21,7 @@ typedef struct random_hexplane_recipe {
     int width, layers;     /* layers of the trunk: 1 or more */
     int heads;             /* bits TD_HEAD_... */
     int turns;             /* apply_rotation */
-    double strength;       /* of the last layers: what is added is of this order */
+    double strength;       /* of the last layers: order of what they add */
 } random_hexplane_recipe;
 
 /* D-NeRF's configuration: 32 channels, 64 64 64 75, 2 levels, width 64, 1 layer, mean scale rotation. */
@@ -31,11 +31,11 @@ tides_motion *random_hexplane_make(const random_hexplane_recipe *recipe);
 /* Deformable-3DGS. */
 typedef struct random_network_recipe {
     uint64_t seed;
-    int width, layers, skip; /* this layer gets the inputs once more */
+    int width, layers, skip; /* skip: the layer that gets the inputs once more */
     int octaves;             /* of the time */
     int time_width, times;   /* of a network over the time; 0: none */
     int screw;               /* is_6dof */
-    double strength;         /* what is added is of this order */
+    double strength;         /* of the last layers: order of what they add */
 } random_network_recipe;
 
 /* The trainer's: width 256, 8 layers, inputs again at 5, 10 octaves. */

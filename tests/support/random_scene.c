@@ -54,7 +54,7 @@ static void draw_all(random_scene *s, uint64_t *seed) {
     }
 }
 
-/* A path that wanders about a place, in [0, 1]; turning by up to `turn` from the identity. */
+/* A path in [0, 1] s that wanders about a place and turns by up to `turn` [rad]. */
 static tides_trajectory *draw_path(uint64_t *seed, const double place[3], double wander, double turn) {
     tides_pose_sample samples[PATH_SAMPLES] = {{0}};
     tides_trajectory *path = NULL;
@@ -106,7 +106,7 @@ static void add_objects(random_scene *s, uint64_t *seed) {
     }
 }
 
-/* An equidistant lens is to have its farthest corner at 75 degrees. */
+/* Sets a lens; an equidistant one has its farthest corner at 75 degrees. */
 static void bend(tides_intrinsics *camera, int lens) {
     static const tides_lens radtan = {TIDES_LENS_RADTAN, 0, -0.21, 0.06, -0.004, 0, 2e-3, -3e-3};
     static const tides_lens equidistant = {TIDES_LENS_EQUIDISTANT, 0, -0.03, 0.006, -0.001, 1e-4, 0, 0};

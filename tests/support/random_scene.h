@@ -9,7 +9,7 @@
 #include "render/td_backend.h"
 #include "tides/session.h"
 
-/* What to make. The camera is near (0, 0, -4) and looks along +z; means fill a box around the origin. */
+/* The scene to make. The camera is near (0, 0, -4) and looks along +z; means fill a box around the origin. */
 typedef struct random_recipe {
     uint64_t seed;
     int count, objects; /* Gaussians in all; objects >= 1, each with its share: 0 at rest, the others moving and scaled */
@@ -55,8 +55,8 @@ td_image_numbers random_scene_image(const random_scene *scene, int rules, int an
 /* The same image of colours that code light as TIDES_TRANSFER_* and an exponent say. */
 td_image_numbers random_scene_coded(const td_image_numbers *image, int transfer, double gamma);
 
-/* A session of it by a run file's text, which names "scene.h5" and "path.json"; all three are written into `folder`. `sets` as
- * tides_session_load has them. Closed by the caller. */
+/* A session of the scene by a run file's text, which names "scene.h5" and "path.json". All three files are written into
+ * `folder`. The caller closes it. */
 tides_session *random_scene_session(void *folder, const random_scene *scene, const char *run, const char *const *sets,
                                     size_t count);
 

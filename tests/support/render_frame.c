@@ -21,7 +21,7 @@ static void box_everything(const frame_input *input, float *boxes) {
     }
 }
 
-/* Boxes of the interval of length 0 at the frame's time. */
+/* Boxes of the sweep over an interval of length 0, at the frame's time. */
 static void box_swept(td_backend *backend, const frame_input *input, float *boxes, float *travel) {
     size_t reals = (size_t)input->store->objects * TD_VIEW_REALS;
     double *views = malloc(3 * reals * sizeof *views);
@@ -46,7 +46,8 @@ static void find_candidates(td_backend *backend, const frame_input *input, int w
     else
         box_swept(backend, input, boxes, travel);
     scene_expect_ok(td_candidates_create(input->width, input->height, candidates, &error), &error);
-    /* A backend keeps its copy of the candidates while their serial stays, and here every frame has its own lists. */
+    /* A backend keeps its copy of candidates while their serial stays; here every frame has its own lists, so it gets a
+     * serial. */
     candidates->serial = 2 * backend->stats.tile_jobs + (uint64_t)which;
     const td_boxes all = {.box = boxes, .travel = travel, .object_moves = moves};
     scene_expect_ok(td_candidates_build(candidates, input->store, &all, &error), &error);
@@ -79,7 +80,7 @@ static int make_jobs(const td_candidates *candidates, td_job *jobs, int *records
     return count;
 }
 
-/* What no job covers shows the backdrop. */
+/* Tiles without a job show the backdrop. */
 static void fill_with_backdrop(const td_backend *backend, const frame_input *input, int tiles, double *planes) {
     double pixel[TD_OUT_COLOUR];
     backend->type->empty_pixel(backend, input->backdrop, pixel, input->outputs);

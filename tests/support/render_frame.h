@@ -4,7 +4,7 @@
 
 #include "render/td_backend.h"
 
-/* Which Gaussians the tiles get as candidates: what the backend's sweep finds, or all of them. */
+/* Candidates of the tiles: the Gaussians that the backend's sweep finds, or all. */
 enum { FRAME_SWEPT, FRAME_ALL };
 
 /* One frame. */

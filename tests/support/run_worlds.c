@@ -20,7 +20,7 @@
 
 static const uint64_t SEED = 20261122;
 
-/* Motions that have no clock of their own in the scene last so long [s]: tenths of them pass in a run. */
+/* Duration of motions without a clock of their own [s]: a run of 35 ms sees some of their movement. */
 #define MOTION_S 0.5
 
 static random_recipe recipe_of(void) {
@@ -35,7 +35,7 @@ static random_recipe recipe_of(void) {
     return recipe;
 }
 
-/* What a random scene has of camera and path, which the caller keeps, and a new scene. */
+/* The camera and path of a random scene, with an empty scene. */
 static run_world empty_world(void) {
     random_recipe recipe = recipe_of();
     random_scene made = random_scene_make(&recipe);
@@ -74,7 +74,7 @@ static run_world motion_world(int kind) {
     scene_expect_ok(tides_scene_add_moving(world.scene, &made.gaussians, made.motion, MOTION_S, NULL, 1, made.name, NULL,
                                            &error),
                     &error);
-    made.motion = NULL; /* the scene's now */
+    made.motion = NULL; /* the scene took it over */
     random_motion_free(&made);
     return world;
 }
@@ -140,8 +140,8 @@ static run_world generated_world(const char *kind) {
     tides_world made;
     tides_error error;
     tides_generate_options_defaults(&options);
-    if (strcmp(kind, "room") != 0) options.gaussians = 60; /* which has a fixed number */
-    if (strcmp(kind, "crowd") == 0) options.count = 9;     /* of 200 */
+    if (strcmp(kind, "room") != 0) options.gaussians = 60; /* a room has a fixed number */
+    if (strcmp(kind, "crowd") == 0) options.count = 9;     /* persons, instead of 200 */
     options.duration_s = 1;
     options.speed = 2;
     options.width = RUN_WIDTH;

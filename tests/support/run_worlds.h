@@ -1,6 +1,5 @@
-/* Test support: the small worlds of tests/golden/test_runs.c, by name, made from seeds and from exact arithmetic (sums,
- * products and quotients), so that they are equal on every machine. Sines come from the library, or from support that says so.
- * Errors fail the running cmocka test. */
+/* Test support: the small worlds of tests/golden/test_runs.c, by name. They are made from seeds by sums, products and
+ * quotients, so that they are equal on every machine; sines come from the library. Errors fail the running cmocka test. */
 #ifndef TESTS_SUPPORT_RUN_WORLDS_H
 #define TESTS_SUPPORT_RUN_WORLDS_H
 
@@ -27,7 +26,7 @@ void run_world_free(run_world *world);
 /* A bright spot that crosses a ramp: RUN_FRAMES frames of luminance from RUN_START to RUN_STOP. */
 void run_frames(double *Y, double *times);
 
-/* Voxels of one interval for LDATI: RUN_VOXELS planes. */
+/* Voxels of one interval, RUN_VOXELS planes, for the method LDATI. */
 void run_voxels(double *voxels);
 
 #endif

@@ -8,7 +8,7 @@
 int scene_folder_setup(void **state);
 int scene_folder_teardown(void **state);
 
-/* "FOLDER/name"; valid until the next but three calls. */
+/* "FOLDER/name", in one of four buffers: the fourth next call overwrites it. */
 const char *scene_in_folder(void *folder, const char *name);
 
 void scene_file_write(const char *path, const void *data, size_t size);

@@ -159,7 +159,7 @@ tides_trajectory *scene_path(int rates) {
 
 /* -- PLY -- */
 
-/* A property: what its values come from, or something to skip. */
+/* A property of the PLY file, with the address of its values. */
 typedef struct property {
     char name[32];
     const float *base; /* NULL: skipped; values are random */
@@ -207,7 +207,7 @@ static void add_properties(maker *m, const td_gaussians *g) {
         add_property(m, "nx", NULL, 0, 0);
         add_property(m, "red", NULL, 0, 0);
         add_property(m, "neighbours", NULL, 0, 1);
-        add_property(m, "f_dc", NULL, 0, 0); /* nearly a name that means something */
+        add_property(m, "f_dc", NULL, 0, 0); /* almost the name of a colour coefficient */
     }
     add_numbered(m, "f_dc", 3, g->sh, 1, 3 * k);
     for (size_t j = 0; j < 3 * (k - 1); j++) { /* channel-major in the file, coefficient-major in memory */
@@ -257,7 +257,7 @@ static void add_header(maker *m, int64_t count) {
         add_line(m, text);
     }
     if (m->recipe->extras) {
-        add_line(m, "element face 1000000"); /* comes after what is wanted: its rows may be missing */
+        add_line(m, "element face 1000000"); /* behind the vertices: its rows may be missing */
         add_line(m, "property list uchar int vertex_indices");
     }
     add_line(m, "end_header");

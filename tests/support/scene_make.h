@@ -38,7 +38,7 @@ typedef struct scene_recipe {
 enum { SCENE_FLOAT = 6, SCENE_DOUBLE = 7 };
 scene_bytes scene_ply(const td_gaussians *gaussians, const scene_recipe *recipe);
 
-/* The public calls, failing the test with their message where they fail. */
+/* The library's calls; a failure fails the test with its message. */
 tides_scene *scene_new(void);
 void scene_add(tides_scene *scene, const td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
                const char *name);
@@ -46,17 +46,17 @@ tides_object scene_object_of(const tides_scene *scene, int32_t index);
 void scene_save(const tides_scene *scene, const char *path);
 void scene_load(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale);
 
-/* A scene from a file without a place for what its colours are of light: they are srgb, also where the scene is saved in the
- * folder, as each format that can hold it, and read again. */
+/* Checks that the scene's colours code light as srgb, which is the default for files without such a tag. Checks it again
+ * after the scene was saved in `folder` in each format that can hold it, and read. */
 void scene_is_srgb(const tides_scene *scene, const char *folder);
 
-/* A path of four samples that moves and turns, with rates of its own or without. */
+/* A path of four samples that moves and turns; its samples have rates if `rates` is 1. */
 tides_trajectory *scene_path(int rates);
 
 /* Saves a scene of two objects, "a" and "b", of the same 4 Gaussians, degree 1, the second moving. The caller frees them. */
 void scene_save_pair(const char *path, td_gaussians *gaussians);
 
-/* splitmix64: the next number of a seeded sequence; from it, one in [lower, upper). */
+/* splitmix64: the next number of a seeded sequence. scene_between: a number in [lower, upper) made of it. */
 uint64_t scene_next(uint64_t *seed);
 double scene_between(uint64_t *seed, double lower, double upper);
 

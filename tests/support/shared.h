@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/* Writes "$TIDES_SHARED/RELATIVE" to `out`. 0 where that file or folder exists, else -1: skip the test. */
+/* Writes "$TIDES_SHARED/RELATIVE" to `out`. Returns 0 if that file or folder exists, else -1: the test is then skipped. */
 int shared_path(char *out, size_t size, const char *relative);
 
 /* Calls `visit` for each entry of `folder` whose name ends in `suffix`, in sorted order of names ("" takes all but those that

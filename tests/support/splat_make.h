@@ -5,7 +5,7 @@
 #include "scene/td_splat.h"
 #include "tests/support/scene_make.h"
 
-/* Little-endian numbers at the end. */
+/* Append little-endian numbers. */
 void splat_u8(scene_bytes *bytes, unsigned value);
 void splat_u16(scene_bytes *bytes, unsigned value);
 void splat_u32(scene_bytes *bytes, uint32_t value);
@@ -13,15 +13,15 @@ void splat_u64(scene_bytes *bytes, uint64_t value);
 void splat_float(scene_bytes *bytes, float value);
 void splat_zeros(scene_bytes *bytes, size_t count);
 
-/* A number in place of four bytes at `at`. */
+/* Overwrites the four bytes at `at` with a number. */
 void splat_patch(scene_bytes *bytes, size_t at, uint32_t value);
 
-/* Packed, as new bytes; the source stays. */
+/* The source, compressed into new bytes. */
 scene_bytes splat_gzip(const scene_bytes *plain);
 scene_bytes splat_zstd(const void *plain, size_t size);
 
-/* At the end what SPZ 4 has behind its header: a table of packed and plain sizes, then one zstd stream for each of `count`
- * runs of bytes that lie one behind the other. */
+/* Appends the part of SPZ 4 behind its header: a table of packed and plain sizes, then one zstd stream for each of `count`
+ * runs. The runs lie one behind the other in `plain`. */
 void splat_streams(scene_bytes *bytes, const char *plain, const size_t *sizes, size_t count);
 
 /* A ZIP of stored members: splat_zip_add for each, then splat_zip_end. Starts as {0}. */
@@ -34,12 +34,12 @@ scene_bytes splat_zip_end(splat_zip *zip);
 
 typedef tides_status splat_parser(const char *path, const void *data, size_t size, td_gaussians *g, tides_error *error);
 
-/* Parses from memory of exactly that size, so that a sanitiser sees each byte read beyond it; fails the test where that
- * fails. The caller frees the Gaussians. */
+/* Parses from memory of exactly that size, so that a sanitiser sees each byte read beyond it; an error fails the test. The
+ * caller frees the Gaussians. */
 td_gaussians splat_parse(splat_parser *parse, const scene_bytes *bytes);
 
-/* Fails the test unless it is refused with `status` and one line that has the file's name and each of the words between '|';
- * the output is untouched. */
+/* Fails the test unless parsing is refused with `status` and one line that has the file's name and each of the words between
+ * '|'. The output must stay untouched. */
 void splat_refused(splat_parser *parse, const scene_bytes *bytes, tides_status status, const char *words);
 
 /* Every prefix of the file is refused. */

@@ -24,7 +24,7 @@ typedef struct splat {
 } splat;
 
 void splat_set_add(splat_set *set, const splat *one);
-/* A round grey one. */
+/* Adds a round grey splat. */
 void splat_set_ball(splat_set *set, double x, double y, double z, double sigma, double opacity, double grey);
 /* `count` splats of random size (about `sigma`), shape and colour on the plane at depth z, |x| <= half_x, |y| <= half_y; each a
  * little nearer than the one before, so that depths differ. */
@@ -35,7 +35,7 @@ void splat_set_free(splat_set *set);
 /* Log-uniform in [lower, upper). */
 double world_between_log(uint64_t *seed, double lower, double upper);
 
-/* Linear value of colour for the float coefficient that stands for it, and back. */
+/* The colour of an SH coefficient of degree 0, and back; the logit of an opacity. */
 double world_colour(float sh);
 float world_sh(double colour);
 double world_logit(double opacity);
@@ -51,24 +51,24 @@ typedef struct waves {
 waves waves_one(double amplitude, double hz, double phase);
 double waves_at(const waves *w, double t, double *rate);
 
-/* Position and rotation vector (angle times axis; added to `turn`, which is steady) around a place. */
+/* A path around a place: sums of sines in position and rotation vector (angle times axis), and steady parts. */
 typedef struct shaking {
     double place[3];
     waves shift[3], turn[3];     /* [scene units], [rad] about x, y, z in that order; small angles */
     double velocity[3], spin[3]; /* steady parts [1/s], of the shift and (one axis at a time) of the turn */
     double centre_time;          /* where the steady parts are 0 */
 } shaking;
-/* Sampled every `interval` from start to at least stop; with the exact rates, or without as recorded paths are. */
+/* Samples a path every `interval` [s] from start to at least stop; with exact rates, or without, as recorded paths are. */
 tides_trajectory *shaking_path(const shaking *s, double start, double stop, double interval, int rates);
 
 /* -- raw parameters that pulse --------------------------------------------------------------------------------------------- */
 
-/* What keyframes are sampled from: each a function of time, added to the Gaussians' own. */
+/* Functions of time that are added to the Gaussians' raw parameters. */
 typedef struct pulsing {
     waves logit, log_size, turn; /* turn: about z [rad] */
     waves light;                 /* colours are multiplied by 1 + light */
     waves shift[2];              /* of means along x and y */
-    int catmull_rom;             /* of keyframes: their slopes */
+    int catmull_rom;             /* 1: keyframes' slopes are Catmull-Rom's */
 } pulsing;
 /* Keyframes from 0 to duration_s, every `interval` or a little less. */
 tides_motion *pulsing_keyframes(const splat_set *set, const pulsing *p, double duration_s, double interval);

@@ -7,7 +7,7 @@
 
 enum { TILES_AT_ONCE = 256 };
 
-/* Tiles at times, one for each of `count` points. */
+/* Requests a tile at its time for each of `count` points. */
 static void ask(const tides_renderer *renderer, const td_point *points, int count, double *times, td_request *requests) {
     for (int i = 0; i < count; i++) {
         times[i] = points[i].time;
@@ -17,7 +17,7 @@ static void ask(const tides_renderer *renderer, const td_point *points, int coun
     }
 }
 
-/* One pixel of each. */
+/* Takes one pixel of each tile. */
 static void take(const td_point *points, int count, const double *planes, td_point_value *values) {
     for (int i = 0; i < count; i++) {
         const double *tile = planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS;

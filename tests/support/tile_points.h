@@ -1,5 +1,5 @@
-/* Test support: the values that the renderer's tiles have at single pixels at single times, by whole tiles at these times.
- * Exact points are compared with them. */
+/* Test support: L and L_dot of single pixels at single times, taken from whole tiles rendered at these times. Points are
+ * compared with them. */
 #ifndef TESTS_SUPPORT_TILE_POINTS_H
 #define TESTS_SUPPORT_TILE_POINTS_H
 
