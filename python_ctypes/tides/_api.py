@@ -1502,7 +1502,7 @@ class tides_sensor(Structure):
     double kick_rate_hz; /* frames per second [Hz] */
     double kick_first_s; /* the first frame [s], on the run's clock */
     double kick_row_s; /* from row to row [s] */
-    double kick_reads_s[2]; /* the same twice: one read [s] */
+    double kick_reads_s[2]; /* reads of reset and of signal after a frame's time [s]; equal: one read */
     /* A text file of frames' times, in place of kick_rate_hz and kick_first_s (nullable; the caller's): each line begins with
     * one [s, on the run's clock, ascending]. Lines may be empty, or begin with # or %. It is read when pixels are made. */
     const char *kick_times;
