@@ -213,13 +213,15 @@ TD_INLINE void td_finish_channels(const td_image *image, const td_composite *pix
     }
 }
 
+/* Y of three lights, or its rate. A loop over an array would keep rates in kernels of Y alone: PoCL leaves it in memory. */
+TD_INLINE td_lanes td_luminance_of_light(const td_image *image, td_lanes red, td_lanes green, td_lanes blue) {
+    return td_fma(blue, image->luminance[2], td_fma(green, image->luminance[1], red * image->luminance[0]));
+}
+
 /* Y, L and their rates of channels that are light. */
 TD_INLINE void td_finish_coded(const td_image *image, const td_lanes channel[6], td_lanes planes[3]) {
-    td_lanes y = channel[0] * image->luminance[0], y_dot = channel[3] * image->luminance[0];
-    for (int c = 1; c < 3; c++) {
-        y = td_fma(channel[c], image->luminance[c], y);
-        y_dot = td_fma(channel[3 + c], image->luminance[c], y_dot);
-    }
+    td_lanes y = td_luminance_of_light(image, channel[0], channel[1], channel[2]);
+    td_lanes y_dot = td_luminance_of_light(image, channel[3], channel[4], channel[5]);
     td_finish_luminance(y, y_dot, image->log_eps, planes);
 }
 

@@ -191,15 +191,24 @@ TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real 
     td_store_lanes(to + TD_V_GROWTH * TD_LANES, view->growth);
 }
 
-/* Green and blue at the times of the lanes, on one curve for all or on a curve each, at beside + at[lane]. */
-TD_INLINE void td_point_see_beside(TD_GLOBAL const td_real *beside, const int *curve, td_lanes way, td_lanes rate,
+/* A curve of green and blue beside a splat's curve at `curve`. */
+TD_INLINE int td_point_beside_at(int curve) { return curve / (TD_CURVE_REALS / TD_BESIDE_REALS); }
+
+/* Green and blue at the times of the lanes, on one curve for all (`together`), or on a curve each. */
+TD_INLINE void td_point_see_beside(TD_GLOBAL const td_real *beside, const int *curve, int together, td_lanes way, td_lanes rate,
                                    TD_GLOBAL td_real *view) {
-    int at[TD_LANES];
-    for (int lane = 0; lane < TD_LANES; lane++) at[lane] = curve[lane] / (TD_CURVE_REALS / TD_BESIDE_REALS);
-    td_point_eight of = td_point_load_eight(beside, at);
     td_lanes green, green_slope, blue, blue_slope;
-    td_point_cubic(of.a, of.c, of.e, of.g, way, &green, &green_slope);
-    td_point_cubic(of.b, of.d, of.f, of.h, way, &blue, &blue_slope);
+    if (together) {
+        TD_GLOBAL const td_real *a = beside + td_point_beside_at(curve[0]);
+        td_point_cubic(td_splat(a[0]), td_splat(a[2]), td_splat(a[4]), td_splat(a[6]), way, &green, &green_slope);
+        td_point_cubic(td_splat(a[1]), td_splat(a[3]), td_splat(a[5]), td_splat(a[7]), way, &blue, &blue_slope);
+    } else {
+        int at[TD_LANES];
+        for (int lane = 0; lane < TD_LANES; lane++) at[lane] = td_point_beside_at(curve[lane]);
+        td_point_eight of = td_point_load_eight(beside, at);
+        td_point_cubic(of.a, of.c, of.e, of.g, way, &green, &green_slope);
+        td_point_cubic(of.b, of.d, of.f, of.h, way, &blue, &blue_slope);
+    }
     td_store_lanes(view + TD_V_GREEN * TD_LANES, green);
     td_store_lanes(view + TD_V_GREEN_DOT * TD_LANES, green_slope * rate);
     td_store_lanes(view + TD_V_BLUE * TD_LANES, blue);
@@ -261,8 +270,8 @@ TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image,
         td_point_view view = td_point_see(image, &value, &slope, td_collect(rate + lanes), eye->x, eye->y);
         td_point_store_view(&view, views + i * room);
         if (td_is_coded(image))
-            td_point_see_beside(paths->beside + path / TD_PATH_LEVELS * TD_BESIDE_REALS, curve + lanes, td_collect(way + lanes),
-                                td_collect(rate + lanes), views + i * room);
+            td_point_see_beside(paths->beside + path / TD_PATH_LEVELS * TD_BESIDE_REALS, curve + lanes, together[level],
+                                td_collect(way + lanes), td_collect(rate + lanes), views + i * room);
     }
     for (int i = 0; i < count; i++) {
         above[seen] = i;

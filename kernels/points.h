@@ -20,9 +20,11 @@ TD_INLINE int td_point_goes_on(TD_GLOBAL const float *tests, const int *slice, i
     return 0;
 }
 
-/* Prefetches a curve: four cache lines. */
-TD_INLINE void td_point_prefetch(TD_GLOBAL const td_real *curve) {
+/* Prefetches a path's curve at `at`: four cache lines, and the one beside it. */
+TD_INLINE void td_point_prefetch(const td_point_paths *paths, const td_image *image, int path, int at) {
+    TD_GLOBAL const td_real *curve = paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS + at;
     td_prefetch(curve), td_prefetch(curve + 8), td_prefetch(curve + 16), td_prefetch(curve + 24);
+    if (td_is_coded(image)) td_prefetch(paths->beside + path / TD_PATH_LEVELS * TD_BESIDE_REALS + td_point_beside_at(at));
 }
 
 /* Enters what a chunk's points see of the first `taken` places of their tile's list. Returns the number of entries. Lanes
@@ -50,7 +52,7 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
                  bits &= bits - 1) {
                 const int place = (tile->first + i + td_point_lowest(bits)) * TD_LIST_INTS;
                 const int path = lists->places[place + TD_L_PATH], level = path & (TD_PATH_LEVELS - 1);
-                td_point_prefetch(paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS + curve[level * TD_LANES]);
+                td_point_prefetch(paths, image, path, curve[level * TD_LANES]);
                 found[count++] = place;
             }
         td_point_look(paths, image, lists->places, found, count, way, rate, curve, together, entries, &eye);
