@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 14
+TIDES_NUMERICS = 15
 TIDES_CHECKPOINT_S = 30
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
@@ -1869,7 +1869,8 @@ class tides_stats(Structure):
     * shorter steps would see as much. */
     uint64_t steps_at_rounding;
     /* Events that the signal's estimated error may undo, and places where it may make some: it turns, or the run ends, so near
-    * a level that the error decides whether it is reached. Not for FIXED. */
+    * a level that the error decides whether it is reached. A tile counts too, once a macro step, where more pairs of splats may
+    * swap in depth than are searched. Not for FIXED. */
     uint64_t events_uncertain;
     double worst_deviation; /* the largest that a probe saw where a step rests on it [thresholds] */
     uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve), and */

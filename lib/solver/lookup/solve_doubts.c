@@ -26,8 +26,8 @@ double td_left_at(const td_visit *v, int n, double s, double S) {
 /* Excess of an approach's doubt over the distance to the level. */
 static double excess_of(const td_visit *v, const td_approach *at) { return at->doubt + v->model.floor - at->left; }
 
-/* The polarity of the change that follows the first n changes, if it lies within piece k and soon after s, else 0. Soon: an
- * eighth of a piece. The signal may have reached that level further before, and left it again. Before anything is looked up,
+/* The polarity of the change that follows the first n changes, if it lies within piece k and at most an eighth of it after s,
+ * else 0. The signal may have reached that level further before, and left it again. Before anything is looked up,
  * the whole piece counts: the look at the change itself tells more. */
 static int next_polarity(const td_visit *v, int k, int n, double s) {
     const td_change *next = &v->changes.change[n];
@@ -37,7 +37,7 @@ static int next_polarity(const td_visit *v, int k, int n, double s) {
     return pieces->count == 1 || next->s - s <= near ? next->polarity : 0;
 }
 
-/* The approach at u of piece k. If the model reaches a level soon after, that level doesn't count: the crossing itself is
+/* The approach at u of piece k. If the model reaches a level just after, that level doesn't count: the crossing itself is
  * looked up. */
 static td_approach approach_at(const td_visit *v, int k, double u) {
     const td_sensor *sensor = &v->s->sensor;
