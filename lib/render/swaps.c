@@ -24,7 +24,7 @@ static const double steady = 0.2;
 static const double sigmas = 3.4;
 
 /* Pairs checked per tile, between bodies and within them: 10 ms of processor time each. Further pairs of a denser tile aren't
- * searched. */
+ * searched, and such tiles are counted (td_renderer_swaps_cut). */
 enum { MOST_PAIRS = 1 << 20 };
 
 /* Two splats that overlap in the image at equal depth have centres at most the sum of their extents apart, times this factor
@@ -308,6 +308,7 @@ static void look_across(td_swap_tile *of, const td_swap_splat *all, int count, d
             if (a->group != all[j].group)
                 td_swaps_look_at(of, a, &all[j], a->move || all[j].move ? TD_SWAP_SLOW_WITHIN : TD_SWAP_SLOW);
     }
+    of->is_cut |= pairs == MOST_PAIRS;
 }
 
 /* 1 if two splats of one object have no short swap. The difference of their depths deviates from a straight line by at most
@@ -338,6 +339,7 @@ static void look_within(td_swap_tile *of, const td_swap_splat *all, int count, d
                 if (!is_none(of, a, b, near, slow)) td_swaps_look_at(of, a, b, slow);
             }
     }
+    of->is_cut |= pairs == MOST_PAIRS;
 }
 
 static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
@@ -363,6 +365,7 @@ static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swa
         qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_start);
         look_within(&of, swaps->splat, count, near);
     }
+    swaps->tiles_cut += of.is_cut;
     return of.status;
 }
 
@@ -402,12 +405,17 @@ tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajec
     if (status == TIDES_OK) status = take_views(renderer, camera, swaps, &at, error);
     if (status != TIDES_OK) return status;
     swaps->count = 0;
+    swaps->tiles_cut = 0;
     status = td_swaps_move(renderer, swaps, &at, error);
     if (status != TIDES_OK) return status;
     if (!find_who_may(renderer, swaps, &at)) return status;
     for (int tile = 0; tile < renderer->stats.tiles && status == TIDES_OK; tile++)
         if (renderer->candidates.moving[tile]) status = look_in(renderer, swaps, &at, tile, error);
     return status == TIDES_OK ? lay_swaps(renderer, swaps, error) : status;
+}
+
+int td_renderer_swaps_cut(const tides_renderer *renderer) {
+    return renderer->sweep.swaps ? renderer->sweep.swaps->tiles_cut : 0;
 }
 
 const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count) {

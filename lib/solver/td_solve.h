@@ -250,8 +250,9 @@ void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refine
 typedef struct td_trusted {
     td_pieces pieces; /* with the leak's ramp added */
     td_trust trust[TD_PIECES_MAX];
-    double start, end; /* additional errors of the signal at the step's ends */
-    double floor;      /* error of any value that is looked up */
+    double swapped[TD_PIECES_MAX]; /* what swaps of depth may hide within each piece [log units] */
+    double start, end;             /* additional errors of the signal at the step's ends */
+    double floor;                  /* error of any value that is looked up */
 } td_trusted;
 
 /* The model's error at u of piece k, without the floor. */

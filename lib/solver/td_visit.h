@@ -48,6 +48,9 @@ static inline double td_reference_after(const td_visit *v, int n) {
 /* Distance of a signal S at s, after n changes, from the nearest level; infinite for a pixel in a hold. */
 double td_left_at(const td_visit *v, int n, double s, double S);
 
+/* Fills model.swapped, when the pieces are made. */
+void td_find_swapped(td_visit *v);
+
 /* Finds pieces whose error may exceed the distance to a level, and the worst place of each, `most` at most. Returns their
  * number. */
 int td_find_approaches(const td_visit *v, td_approach *found, int most);

@@ -300,8 +300,9 @@ static void walk(finder *f, spot a, spot b, double bend) {
         if (pass_level(f, &a, b, e)) continue;
         spot middle = {0.5 * (a.t + b.t), 0};
         middle.s = look(f, middle.t);
-        /* Four times a smooth curve's largest distance from its chord on either half. */
-        bend = 0.5 * fabs(a.s - 2 * middle.s + b.s);
+        /* What a kink in either half leaves there, wherever it is: at most this. Of a smooth bend it is eight times what is
+         * left. */
+        bend = fabs(a.s - 2 * middle.s + b.s);
         walk(f, a, middle, bend);
         a = middle;
     }

@@ -5,6 +5,7 @@
 #include "solver/td_visit.h"
 
 #include <math.h>
+#include <string.h>
 
 /* 1 where a refractory period is on at s, after n changes. */
 static int is_held_at(const td_visit *v, int n, double s) {
@@ -25,14 +26,19 @@ double td_left_at(const td_visit *v, int n, double s, double S) {
 /* Excess of an approach's doubt over the distance to the level. */
 static double excess_of(const td_visit *v, const td_approach *at) { return at->doubt + v->model.floor - at->left; }
 
-/* The polarity of the change that follows the first n changes, if it lies within piece k, else 0. */
-static int next_polarity(const td_visit *v, int k, int n) {
+/* The polarity of the change that follows the first n changes, if it lies within piece k and at most an eighth of it after s,
+ * else 0. The signal may have reached that level further before, and left it again. Before anything is looked up,
+ * the whole piece counts: the look at the change itself tells more. */
+static int next_polarity(const td_visit *v, int k, int n, double s) {
     const td_change *next = &v->changes.change[n];
-    return n < v->changes.count && next->s <= v->model.pieces.from[k + 1] ? next->polarity : 0;
+    const td_pieces *pieces = &v->model.pieces;
+    if (n >= v->changes.count || next->s > pieces->from[k + 1]) return 0;
+    const double near = 0.125 * (pieces->from[k + 1] - pieces->from[k]);
+    return pieces->count == 1 || next->s - s <= near ? next->polarity : 0;
 }
 
-/* The approach at u of piece k. If the model reaches a level later in the piece, that level doesn't count: the crossing itself
- * is looked up. */
+/* The approach at u of piece k. If the model reaches a level just after, that level doesn't count: the crossing itself is
+ * looked up. */
 static td_approach approach_at(const td_visit *v, int k, double u) {
     const td_sensor *sensor = &v->s->sensor;
     const td_pieces *pieces = &v->model.pieces;
@@ -40,7 +46,7 @@ static td_approach approach_at(const td_visit *v, int k, double u) {
                       .error = td_trusted_error(&v->model, k, u),
                       .doubt = td_trusted_doubt(&v->model, k, u),
                       .left = INFINITY};
-    const int n = td_changes_until(v, at.s), next = next_polarity(v, k, n);
+    const int n = td_changes_until(v, at.s), next = next_polarity(v, k, n, at.s);
     const double residual = td_model_value(&pieces->model[k], u) - td_reference_after(v, n);
     const double on = td_sensor_threshold_on(sensor, v->at) - residual, off = residual + td_sensor_threshold_off(sensor, v->at);
     if (on <= 0 || off <= 0 || is_held_at(v, n, at.s)) return at;
@@ -59,7 +65,7 @@ static int may_reach(const td_visit *v, int k) {
     if (doubt <= v->model.floor) return 0;
     for (int n = td_changes_until(v, v->model.pieces.from[k]);; n++) {
         const double reference = td_reference_after(v, n);
-        const int next = next_polarity(v, k, n);
+        const int next = next_polarity(v, k, n, v->model.pieces.from[k]);
         if (next <= 0 && most - reference >= td_sensor_threshold_on(sensor, v->at)) return 1;
         if (next >= 0 && reference - least >= td_sensor_threshold_off(sensor, v->at)) return 1;
         if (n >= v->changes.count || v->changes.change[n].s > v->model.pieces.from[k + 1]) return 0;
@@ -107,23 +113,70 @@ static double beyond_at(const td_visit *v, int k, double s) {
     const int n = td_changes_until(v, s);
     if (n == 0 || v->changes.change[n - 1].polarity == 0 || v->changes.change[n - 1].s < pieces->from[k]) return INFINITY;
     const double residual = td_model_value(&pieces->model[k], td_pieces_place(pieces, k, s)) - td_reference_after(v, n);
-    const double beyond = residual * v->changes.change[n - 1].polarity, known = td_greater(v->model.start, v->model.end);
+    const double beyond = residual * v->changes.change[n - 1].polarity;
+    const double known = td_greater(k == 0 ? v->model.start : 0, k + 1 == pieces->count ? v->model.end : 0);
     return beyond > known + v->model.floor ? beyond : INFINITY; /* rounding puts a signal at rest on either side */
 }
 
-/* Looks at a kink between two straight parts of the signal: it is where the tangents at the piece's ends meet. */
-static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
+/* The parts of a signal beside its kink are bent, so that tangents miss it. They are taken to do so by as much as they are from
+ * the cubic. */
+static const double tip_doubt = 2;
+
+/* Where tangents meet within this share of a piece from its end, before or behind it, the end is as near to the kink as they
+ * tell. */
+static const double at_end = 0.05;
+
+/* How far the turn at u of a piece lies beyond all values at the piece's ends and at `tip`, where their tangents meet. */
+static double overshot(const td_model *model, double tip, double u) {
+    const double *b = model->control, S = td_model_value(model, u);
+    return td_greater(S - td_greater(tip, td_greater(b[0], b[3])), td_lesser(tip, td_lesser(b[0], b[3])) - S);
+}
+
+/* Looks at a kink between two straight parts of the signal: it is where the tangents at the piece's ends meet. The cubic may
+ * turn before it gets there. If the kink is near an end, the cubic turns beyond it, and may pass a level that no part passes. */
+static void look_at_kink(const td_visit *v, int k, const double *turn, int turns, td_approach *worst) {
     const td_pieces *pieces = &v->model.pieces;
-    const double *b = pieces->model[k].control, first = 3 * (b[1] - b[0]), last = 3 * (b[3] - b[2]);
-    if (!(first * last < 0)) return;
-    const double u = (b[3] - last - b[0]) / (first - last);
-    if (!(u > 0 && u < 1)) return;
-    const double length = pieces->from[k + 1] - pieces->from[k];
-    const td_approach at = {.s = pieces->from[k] + u * length,
-                            .error = td_trusted_error(&v->model, k, u),
-                            .doubt = fabs(b[0] + u * first - td_model_value(&pieces->model[k], u)),
-                            .left = left_beside(v, k, u)};
-    take_worse(v, &at, worst);
+    const td_model *model = &pieces->model[k];
+    const double *b = model->control, first = 3 * (b[1] - b[0]), last = 3 * (b[3] - b[2]);
+    const double meet = (b[3] - last - b[0]) / (first - last), u = td_lesser(td_greater(meet, 0), 1);
+    if (turns == 0 || !(fabs(meet - u) < at_end)) return;
+    const double from = pieces->from[k], length = pieces->from[k + 1] - from, tip = b[0] + u * first;
+    td_approach at = {.s = from + u * length, .error = td_trusted_error(&v->model, k, u)};
+    if (first * last < 0 && u == meet) {
+        at.doubt = tip_doubt * fabs(tip - td_model_value(model, u));
+        at.left = left_beside(v, k, u);
+        take_worse(v, &at, worst);
+    }
+    for (int i = 0; i < turns; i++) {
+        const double turns_at = from + turn[i] * length;
+        at.doubt = at.error = overshot(model, tip, turn[i]);
+        at.left = beyond_at(v, k, turns_at);
+        if (!(fabs(u - 0.5) < 0.5 - at_end)) at.s = turns_at;
+        if (at.doubt > 0) take_worse(v, &at, worst);
+    }
+}
+
+/* What swaps of depth may hide within each piece: of each what the piece's length leaves unseen (td_solve_swap_unseen). */
+void td_find_swapped(td_visit *v) {
+    const td_refine_step *step = &v->s->refine.step[v->looked->step];
+    const td_pieces *pieces = &v->model.pieces;
+    int count;
+    const td_swap *list = td_solve_swaps(v->s, step, v->pixel->local, &count);
+    memset(v->model.swapped, 0, (size_t)pieces->count * sizeof *v->model.swapped);
+    if (count == 0) return;
+    for (int i = 0; i < count; i++) {
+        const td_swap_place swap = td_solve_swap_place(v->s, step, &list[i]);
+        for (int k = 0; k < pieces->count && pieces->from[k] < swap.s + swap.wide; k++) {
+            if (pieces->from[k + 1] <= swap.s - swap.wide) continue;
+            const double light = swap.light * td_solve_swap_unseen(swap.wide / (pieces->from[k + 1] - pieces->from[k]));
+            v->model.swapped[k] += light * light;
+        }
+    }
+    for (int k = 0; k < pieces->count; k++) {
+        const double *b = pieces->model[k].control;
+        v->model.swapped[k] =
+            sqrt(v->model.swapped[k]) / td_renderer_swap_scale(v->s->renderer, td_exp(td_lesser(b[0], b[3])));
+    }
 }
 
 /* A swap is seen where pieces within it are shorter than this share of its half-width `wide`: the signal changes within a
@@ -172,7 +225,7 @@ int td_find_approaches(const td_visit *v, td_approach *found, int most) {
             take_worse(v, &at, &worst);
         }
         if (may_reach(v, k)) look_between(v, k, &worst);
-        look_at_kink(v, k, &worst);
+        look_at_kink(v, k, places, turns, &worst);
         if (excess_of(v, &worst) >= 0) found[count++] = worst;
     }
     return count;

@@ -29,8 +29,9 @@ static const double after_a_look = 2;
 double td_trusted_doubt(const td_trusted *model, int k, double u) {
     const td_trust *trust = &model->trust[k];
     const double error = error_within(trust, u);
-    if (model->pieces.count == 1) return trust->error * shape_of(0, u);
-    return td_greater(after_a_look * error, trust->unseen * shape_of(0, u));
+    const double swapped = model->swapped[k] * shape_of(0, u);
+    if (model->pieces.count == 1) return trust->error * shape_of(0, u) + swapped;
+    return td_greater(after_a_look * error, trust->unseen * shape_of(0, u)) + swapped;
 }
 
 int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *nodes, td_trust *trust) {

@@ -54,6 +54,7 @@ static int may_act(const td_visit *v) {
 static void take_nodes(td_visit *v) {
     v->nodes = td_solve_nodes(&v->s->solve, v->looked, v->node, v->model.trust);
     td_pieces_make(&v->model.pieces, &v->looked->ends, v->node, v->nodes);
+    td_find_swapped(v);
 }
 
 /* Adds the errors of the model beside its pieces: of samples at the step's ends, and of rounding. */

@@ -192,6 +192,7 @@ static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     if (status == TIDES_OK && s->moving.count > 0) status = refine(s, start, stop, error);
     if (status == TIDES_OK) status = measure(s, error);
     if (status != TIDES_OK) return status; /* s->broken says whether the pixels agree on the time */
+    if (s->moving.count > 0) s->done.timing.uncertain += (uint64_t)td_renderer_swaps_cut(s->renderer);
     status = compare_still(s, start, stop, error);
     s->broken = status != TIDES_OK;
     return status;
