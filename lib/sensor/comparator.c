@@ -8,6 +8,7 @@
 #include "td_pixel.h"
 #include "td_sensor.h"
 #include "td_wide.h"
+#include "sensor/response/td_substeps.h"
 
 #include <float.h>
 #include <math.h>
@@ -181,12 +182,13 @@ static void set_visible(const tile_job *job, size_t j, td_pixel_step *pixel) {
 }
 
 /* Computes the pixel's response behind the filters, and their state at the step's end. */
-static void filter(const tile_job *job, td_pixel_step *pixel) {
+static void filter(const tile_job *job, td_pixel_step *pixel, td_kept_substeps *kept) {
     td_sensor *sensor = job->pixel.sensor;
     double state[TD_FRONTEND_STATE] = {0};
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) state[k] = sensor->filtered.state[k][pixel->i];
-    td_frontend_step(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state, &pixel->response);
+    td_frontend_step_keeping(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state,
+                             &pixel->response, kept);
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) sensor->filtered.state[k][pixel->i] = state[k];
     pixel->end = state[0];
@@ -295,7 +297,8 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     pixel.input = fit(sensor->model, job->signals, step->length_s, j);
     pixel.response.cubic = pixel.input;
     pixel.end = job->signals->S1[j];
-    if (sensor->frontend.on) filter(job, &pixel);
+    td_kept_substeps kept;
+    if (sensor->frontend.on) filter(job, &pixel, &kept);
     if (job->pixel.light) pixel.input = light_of(job, j);
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.response.cubic.control[c] += ramp + rise * (c / 3.0);

@@ -32,6 +32,14 @@ static td_surround make(double lambda, double tau, double tolerance) {
     return s;
 }
 
+static void begin(td_surround *s, double length, const double *from_dot, const double *p, const double *p_dot) {
+    double *next, *next_dot;
+    td_surround_next_input(s, &next, &next_dot);
+    memcpy(next, p, PIXELS * sizeof *next);
+    memcpy(next_dot, p_dot, PIXELS * sizeof *next);
+    td_surround_begin(s, length, from_dot);
+}
+
 static void random_image(uint64_t *seed, double scale, double *image) {
     for (int i = 0; i < PIXELS; i++) image[i] = scale * scene_between(seed, -1, 1);
 }
@@ -81,13 +89,14 @@ static void check_ramp(int j, int k, double lambda, double tau) {
     double rounding = 1e-10 + 5e-16 * (1 + 8 * lambda * lambda) / (tau > 0 ? tau : 1);
     td_surround s = make(lambda, tau, 1e-3);
     td_surround_sample a, b;
-    td_surround_rest(&s, mode, zero, &a);
+    td_surround_rest(&s, mode, zero);
+    a = s.end;
     for (int i = 0; i < PIXELS; i++) {
         expect_close(a.S[i], mode[i] * (1 - 1 / r), 1e-13);
         rates[i] = slope * mode[i];
         end[i] = mode[i] * (1 + slope * length);
     }
-    td_surround_begin(&s, length, rates, end, rates);
+    begin(&s, length, rates, end, rates);
     double reached = 0;
     while (td_surround_next(&s, &from, &to, &a, &b)) {
         assert_true(from == reached && to > from);
@@ -198,9 +207,10 @@ static void test_equation(void **state) {
         double lambda = 1.7, tau = taus[trial], h[PIXELS], S[PIXELS], from, to, off = 0, missed = 0;
         td_surround s = make(lambda, tau, tolerance);
         td_surround_sample a, b;
-        td_surround_rest(&s, c.p0, c.p0_dot, &a);
+        td_surround_rest(&s, c.p0, c.p0_dot);
+        a = s.end;
         for (int i = 0; i < PIXELS; i++) h[i] = c.p0[i] - a.S[i];
-        td_surround_begin(&s, c.length, c.p0_dot, c.p1, c.p1_dot);
+        begin(&s, c.length, c.p0_dot, c.p1, c.p1_dot);
         int pieces = 0;
         for (; td_surround_next(&s, &from, &to, &a, &b); pieces++) {
             static const double parts[] = {0.25, 0.5, 0.8, 1};
@@ -237,19 +247,20 @@ static void test_cuts(void **state) {
     }
     td_surround whole = make(2.5, 1e-3, 1e-4), cut = make(2.5, 1e-3, 1e-4), saved = make(2.5, 1e-3, 1e-4);
     td_surround_sample a, b, x, y;
-    td_surround_rest(&whole, c.p0, c.p0_dot, &a);
-    td_surround_rest(&cut, c.p0, c.p0_dot, &a);
-    td_surround_begin(&whole, c.length, c.p0_dot, c.p1, c.p1_dot);
+    td_surround_rest(&whole, c.p0, c.p0_dot);
+    td_surround_rest(&cut, c.p0, c.p0_dot);
+    begin(&whole, c.length, c.p0_dot, c.p1, c.p1_dot);
     while (td_surround_next(&whole, &from, &to, &a, &b)) {
     }
-    td_surround_begin(&cut, 0.3 * c.length, c.p0_dot, half, half_dot);
+    begin(&cut, 0.3 * c.length, c.p0_dot, half, half_dot);
     while (td_surround_next(&cut, &from, &to, &x, &y)) {
     }
-    td_surround_resume(&saved, cut.surround, half, half_dot, &x);
+    td_surround_resume(&saved, cut.surround, half, half_dot);
+    x = saved.end;
     assert_memory_equal(x.S, y.S, sizeof half);
     assert_memory_equal(x.S_dot, y.S_dot, sizeof half);
-    td_surround_begin(&cut, 0.7 * c.length, half_dot, c.p1, c.p1_dot);
-    td_surround_begin(&saved, 0.7 * c.length, half_dot, c.p1, c.p1_dot);
+    begin(&cut, 0.7 * c.length, half_dot, c.p1, c.p1_dot);
+    begin(&saved, 0.7 * c.length, half_dot, c.p1, c.p1_dot);
     while (td_surround_next(&cut, &from, &to, &x, &y)) {
         double again[2];
         td_surround_sample p, q;
