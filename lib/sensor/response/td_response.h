@@ -37,8 +37,8 @@ typedef struct td_segment {
 typedef struct td_filter_input {
     const struct td_frontend *frontend;  /* NULL: there is none, and other members aren't set */
     const struct td_kept_substeps *kept; /* nullable: all substeps as they were solved; else walks solve them again */
-    td_model input;                     /* log-luminance */
-    double h, log_eps, dark_L;          /* dark_L: L of Y = 0, log(log_eps) */
+    td_model input;                      /* log-luminance */
+    double h, log_eps, dark_L;           /* dark_L: L of Y = 0, log(log_eps) */
     int segments;
     td_segment segment[TD_SEGMENTS_MAX];
 } td_filter_input;

@@ -50,9 +50,9 @@ typedef struct td_substeps {
     double state[TD_FRONTEND_STATE]; /* of the filter, at `to` */
     double from, to;                 /* s at the substep's ends */
     double length;                   /* of the next substep's first try, in s */
-    int tried, number;    /* number: of the next substep */
-    td_time_map map;      /* from u to v */
-    td_response response; /* of the substep alone, as a function of v */
+    int tried, number;               /* number: of the next substep */
+    td_time_map map;                 /* from u to v */
+    td_response response;            /* of the substep alone, as a function of v */
 } td_substeps;
 
 /* All substeps of a step, so that walks needn't solve them again. */

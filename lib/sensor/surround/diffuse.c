@@ -39,10 +39,10 @@ void td_diffusion_release(td_diffusion *d) {
 typedef struct wave {
     const td_diffusion *of;
     const td_diffuse_part *part;
-    double s0, s1, r;                    /* of the panel */
-    const double *from;                  /* h at s0, */
-    double *half, *end;                  /* half way through, and at s1 */
-    double size[LEVELS + 1][KEPT];       /* the largest number of a row */
+    double s0, s1, r;                      /* of the panel */
+    const double *from;                    /* h at s0, */
+    double *half, *end;                    /* half way through, and at s1 */
+    double size[LEVELS + 1][KEPT];         /* the largest number of a row */
     unsigned char empty[LEVELS + 1][KEPT]; /* 1: the row is zeros in memory */
 } wave;
 

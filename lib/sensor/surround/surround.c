@@ -150,12 +150,8 @@ static const double transforms = 5;
 
 /* h at s1 and half way from s0 to s1, from h at s0, in the way that takes fewer operations. */
 static void advance(td_surround *s, const double *from, double s0, double s1, double *half, double *end) {
-    const td_diffuse_part part = {{s->input[0], s->input[1], s->input[2], s->input[3]},
-                                  s->length_s,
-                                  s0,
-                                  s1,
-                                  s->tau_s,
-                                  s->lambda_px * s->lambda_px};
+    const td_diffuse_part part =
+        {{s->input[0], s->input[1], s->input[2], s->input[3]}, s->length_s, s0, s1, s->tau_s, s->lambda_px * s->lambda_px};
     const double by_modes = transforms * (s->cosine.width + s->cosine.height);
     if (!(s->tau_s > 0)) {
         find_steady(s, 0.5 * (s0 + s1), half);
@@ -201,11 +197,18 @@ TD_WITHIN void find_signal(double lag, double lap, double coupling, double tau_s
     *S_dot = p_dot - (lag + coupling * lap) / tau_s;
 }
 
+/* Rows of h, of the input, and of S. */
+typedef struct signal_rows {
+    const double *above, *h, *below, *p, *p_dot;
+    double *S, *S_dot;
+} signal_rows;
+
 /* S and S_dot of a row of pixels. The image's borders repeat. */
-TD_WIDE static void find_signals(int count, double coupling, double tau_s, const double *above, const double *h,
-                                 const double *below, const double *p, const double *p_dot, double *restrict S,
-                                 double *restrict S_dot) {
-    const int last = count - 1;
+TD_WIDE static void find_signals(const td_surround *s, const signal_rows *rows) {
+    const double *above = rows->above, *h = rows->h, *below = rows->below, *p = rows->p, *p_dot = rows->p_dot;
+    double *restrict S = rows->S, *restrict S_dot = rows->S_dot;
+    const double coupling = s->lambda_px * s->lambda_px, tau_s = s->tau_s;
+    const int last = s->cosine.width - 1;
     const double left = h[last > 0 ? 1 : 0], right = h[last > 0 ? last - 1 : 0];
     for (int x = 1; x < last; x++) {
         const double lap = ((h[x - 1] + h[x + 1]) + (above[x] + below[x])) - 4 * h[x];
@@ -226,8 +229,8 @@ static void sample_at(td_surround *s, const double *h, double at, td_surround_sa
         const size_t i = (size_t)y * width;
         const double *here = h + i, *above = y > 0 ? here - width : here, *below = y + 1 < height ? here + width : here;
         if (at_end < 0) find_input(s->input, s->length_s, at, i, width, out->own_p + i, out->own_p_dot + i);
-        find_signals(width, s->lambda_px * s->lambda_px, s->tau_s, above, here, below, out->p + i, out->p_dot + i, out->S + i,
-                     out->S_dot + i);
+        const signal_rows rows = {above, here, below, out->p + i, out->p_dot + i, out->S + i, out->S_dot + i};
+        find_signals(s, &rows);
     }
     if (s->tau_s > 0) return;
     memcpy(out->S_dot, out->p_dot, bytes_of(s));

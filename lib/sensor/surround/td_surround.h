@@ -22,14 +22,14 @@
 /* Every pixel at a time, (height x width) each. */
 typedef struct td_surround_sample {
     double *S, *S_dot;
-    const double *p, *p_dot;    /* the input: of an end of the step, or */
+    const double *p, *p_dot;   /* the input: of an end of the step, or */
     double *own_p, *own_p_dot; /* of a place within it */
 } td_surround_sample;
 
 typedef struct td_surround {
     int on; /* 0: off, and nothing below is set */
     double lambda_px, tau_s, tolerance;
-    int has_cubics; /* 1: the comparator's models are cubics. Others are off by more on a whole substep, which is always halved */
+    int has_cubics; /* 1: the comparator has cubics. Other models are off by more on whole substeps, which are always halved */
     td_dct cosine;
     td_diffusion diffusion;
     double *surround; /* h at `at` (height x width) */
@@ -51,17 +51,17 @@ TIDES_MUST_CHECK tides_status td_surround_create(const tides_sensor *sensor, int
                                                  td_surround *surround, tides_error *error);
 void td_surround_release(td_surround *surround);
 
-/* Pixels have rested at p for ever, and begin to change at the rate p_dot (height x width). `end` becomes the sample there. */
+/* Pixels have rested at p for ever, and begin to change at the rate p_dot (height x width). `end` is the sample there. */
 void td_surround_rest(td_surround *surround, const double *p, const double *p_dot);
 
 /* Goes on from a run that was saved with the surround h (height x width), at p and p_dot. */
 void td_surround_resume(td_surround *surround, const double *h, const double *p, const double *p_dot);
 
-/* Where p and p_dot at the next step's end are to be written (height x width). */
+/* Where p and p_dot at the next step's end are written before it begins (height x width). */
 void td_surround_next_input(td_surround *surround, double **p, double **p_dot);
 
-/* Begins a step of `length_s` from the end of the last one, to the next input. p_dot is from_dot at its beginning, NULL where it
- * is the last step's. */
+/* Begins a step of `length_s` from the end of the last one, to the next input. p_dot begins at from_dot (nullable: where the
+ * last step ended). */
 void td_surround_begin(td_surround *surround, double length_s, const double *from_dot);
 
 /* The next substep, from *from to *to as parts of the step in [0, 1], and samples at both ends, valid until the next call.
