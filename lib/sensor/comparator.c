@@ -20,6 +20,8 @@ enum { BLOCK = TD_IDEAL_BLOCK };
  * noise and kicks. */
 typedef struct noise_block {
     double segment[BLOCK], value[BLOCK], light[BLOCK], on[BLOCK], off[BLOCK];
+    double path[BLOCK * TD_NOISE_PATH]; /* BLOCK is a multiple of TD_RANDOM_LANES */
+    td_noise_path paths[BLOCK];
 } noise_block;
 
 /* The arguments of a call, and what follows from them. */
@@ -236,7 +238,7 @@ static void sweep_noise(const tile_job *job, size_t first, size_t count, double 
         memcpy(noise->light, sensor->segment.light + at, count * sizeof *noise->light);
         for (size_t k = 0; k < count; k++) input[k] = light_of(job, first + k);
     }
-    const td_noise_sweep sweep = {noise->segment, noise->value, low, high, noise->light, input};
+    const td_noise_sweep sweep = {noise->segment, noise->value, low, high, noise->light, input, noise->path, noise->paths};
     td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
                             &sweep);
     for (size_t k = 0; k < count; k++) {
@@ -295,6 +297,7 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     const td_sensor *sensor = job->pixel.sensor;
     td_pixel_step pixel = {.local = j, .i = job->first + j, .x = column(job, j), .y = row(job, j)};
     pixel.input = fit(sensor->model, job->signals, step->length_s, j);
+    if (job->noise && sensor->additive.on && !sensor->additive.varies) pixel.noise = job->noise->paths[j - job->begun];
     pixel.response.cubic = pixel.input;
     pixel.end = job->signals->S1[j];
     td_kept_substeps kept;

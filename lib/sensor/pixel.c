@@ -22,7 +22,8 @@ typedef struct walk {
     int cut;         /* 1: there were more */
     double s;
     td_noise_segment segment; /* additive noise: the segment that contains the walk's s */
-    double segment_until;     /* its end in s, or the row's next read if that is earlier */
+    td_noise_path path;
+    double segment_until; /* its end in s, or the row's next read if that is earlier */
     double noise_until, kick_until;
     double kick, kick_rate, kick_ns; /* kicks: their sum is kick e^(-kick_rate s); the next read [ns] */
     double low, high;                /* bounds of the pixel's response without noise */
@@ -83,8 +84,8 @@ static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (w->segment_until > s) return;
     while (sensor->additive.on && w->noise_until <= s && w->noise_until < 1) {
-        td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i],
-                               td_noise_light_of(&w->pixel->input, w->noise_until), &w->segment);
+        td_additive_noise_next_along(&sensor->additive, sensor->number[w->pixel->i],
+                                     td_noise_light_of(&w->pixel->input, w->noise_until), &w->path, &w->segment);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     if (sensor->kick.on) seek_kick(w, s);
@@ -100,7 +101,10 @@ static void begin_segments(walk *w) {
     td_response_range(&w->pixel->response, &w->low, &w->high);
     begin_kicks(w);
     if (sensor->additive.on) {
-        w->segment = td_sensor_noise_segment(sensor, i);
+        w->path = w->pixel->noise;
+        w->segment =
+            td_additive_noise_along(&sensor->additive, sensor->number[i], (uint64_t)sensor->segment.number[i],
+                                    sensor->segment.value[i], sensor->segment.light ? sensor->segment.light[i] : 0, &w->path);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     w->segment_until = fmin(w->noise_until, w->kick_until);
