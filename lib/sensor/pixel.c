@@ -318,14 +318,25 @@ static void pass_masked(walk *w) {
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
+/* Passes over segments of the noise that can't reach a level, up to `end`. Returns where the walk's segment ends, or `end` if
+ * that is earlier. */
+static double pass_quiet(walk *w, double end) {
+    while (w->segment_until < end && stays_between(w, w->low, w->high)) {
+        w->s = w->segment_until;
+        seek_segment(w, w->s);
+    }
+    return fmin(end, w->segment_until);
+}
+
 /* Advances through a visible part of the step: to the first crossing or noise event, or to the part's end. */
 static tides_status look(walk *w) {
     const td_pixel_step *p = w->pixel;
     td_pixel_job *job = w->job;
     int source;
     seek_segment(w, w->s);
-    double noise = next_noise(w, &source), last = fmin(p->visible_to, 1), until = fmin(fmin(noise, last), w->segment_until),
-           at = w->s;
+    const double noise = next_noise(w, &source), last = fmin(p->visible_to, 1), end = fmin(noise, last);
+    const double until = job->sensor->additive.on ? pass_quiet(w, end) : fmin(end, w->segment_until);
+    double at = w->s;
     int polarity = w->cut ? 0 : cross(w, w->s, until, &at);
     if (polarity && w->crossed == job->sensor->sensor.max_events_per_step) {
         w->cut = 1;
