@@ -8,6 +8,7 @@
 #include "td_pixel.h"
 #include "td_sensor.h"
 #include "td_wide.h"
+#include "sensor/response/td_substeps.h"
 
 #include <float.h>
 #include <math.h>
@@ -19,6 +20,8 @@ enum { BLOCK = TD_IDEAL_BLOCK };
  * noise and kicks. */
 typedef struct noise_block {
     double segment[BLOCK], value[BLOCK], light[BLOCK], on[BLOCK], off[BLOCK];
+    double path[BLOCK * TD_NOISE_PATH]; /* BLOCK is a multiple of TD_RANDOM_LANES */
+    td_noise_path paths[BLOCK];
 } noise_block;
 
 /* The arguments of a call, and what follows from them. */
@@ -181,12 +184,13 @@ static void set_visible(const tile_job *job, size_t j, td_pixel_step *pixel) {
 }
 
 /* Computes the pixel's response behind the filters, and their state at the step's end. */
-static void filter(const tile_job *job, td_pixel_step *pixel) {
+static void filter(const tile_job *job, td_pixel_step *pixel, td_kept_substeps *kept) {
     const td_sensor *sensor = job->pixel.sensor;
     double state[TD_FRONTEND_STATE] = {0};
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) state[k] = sensor->filtered.state[k][pixel->i];
-    td_frontend_step(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state, &pixel->response);
+    td_frontend_step_keeping(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state,
+                             &pixel->response, kept);
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) sensor->filtered.state[k][pixel->i] = state[k];
     pixel->end = state[0];
@@ -234,7 +238,7 @@ static void sweep_noise(const tile_job *job, size_t first, size_t count, double 
         memcpy(noise->light, sensor->segment.light + at, count * sizeof *noise->light);
         for (size_t k = 0; k < count; k++) input[k] = light_of(job, first + k);
     }
-    const td_noise_sweep sweep = {noise->segment, noise->value, low, high, noise->light, input};
+    const td_noise_sweep sweep = {noise->segment, noise->value, low, high, noise->light, input, noise->path, noise->paths};
     td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
                             &sweep);
     for (size_t k = 0; k < count; k++) {
@@ -293,9 +297,11 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     const td_sensor *sensor = job->pixel.sensor;
     td_pixel_step pixel = {.local = j, .i = job->first + j, .x = column(job, j), .y = row(job, j)};
     pixel.input = fit(sensor->model, job->signals, step->length_s, j);
+    if (job->noise && sensor->additive.on && !sensor->additive.varies) pixel.noise = job->noise->paths[j - job->begun];
     pixel.response.cubic = pixel.input;
     pixel.end = job->signals->S1[j];
-    if (sensor->frontend.on) filter(job, &pixel);
+    td_kept_substeps kept;
+    if (sensor->frontend.on) filter(job, &pixel, &kept);
     if (job->pixel.light) pixel.input = light_of(job, j);
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.response.cubic.control[c] += ramp + rise * (c / 3.0);

@@ -235,9 +235,9 @@ static tides_status set_blocks(td_sensor *sensor, td_maps *maps, double start, t
     if (status != TIDES_OK) return status;
     sensor->active_at_rest = maps->checksum || sensor->frontend.on || sensor->additive.on || sensor->kick.on ||
                              leak_of(params) > 0 || params->refractory_s > 0 || makes_noise(params);
-    const int surround = params->surround_lambda_px > 0;
+    const int surround = params->surround_lambda_px > 0, draws = surround && params->initial == TIDES_INITIAL_STEADY;
     sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || sensor->kick.on || surround);
-    sensor->on = sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 ||
+    sensor->on = sensor->active_at_rest || sensor->masks || sensor->labels || draws || params->threshold_sigma > 0 ||
                  params->threshold_parity != 0 || params->dead_pixel_fraction > 0;
     sensor->start.ns = first.start_ns;
     sensor->start.fraction = first.start_fraction;

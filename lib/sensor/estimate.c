@@ -272,6 +272,6 @@ static td_estimate estimate_filtered(const td_sensor *sensor, const td_estimated
 }
 
 td_estimate td_sensor_estimate(const td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
-    if (sensor->frontend.on) return estimate_filtered(sensor, step, first, time);
+    if (sensor->frontend.on || (sensor->on && !step->reference)) return estimate_filtered(sensor, step, first, time);
     return sensor->on ? estimate_blocks(sensor, step, first, cuts, time) : estimate_ideal(sensor, step);
 }

@@ -22,7 +22,8 @@ typedef struct walk {
     int cut;         /* 1: there were more */
     double s;
     td_noise_segment segment; /* additive noise: the segment that contains the walk's s */
-    double segment_until;     /* its end in s, or the row's next read if that is earlier */
+    td_noise_path path;
+    double segment_until; /* its end in s, or the row's next read if that is earlier */
     double noise_until, kick_until;
     double kick, kick_rate, kick_ns; /* kicks: their sum is kick e^(-kick_rate s); the next read [ns] */
     double low, high;                /* bounds of the pixel's response without noise */
@@ -83,8 +84,8 @@ static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (w->segment_until > s) return;
     while (sensor->additive.on && w->noise_until <= s && w->noise_until < 1) {
-        td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i],
-                               td_noise_light_of(&w->pixel->input, w->noise_until), &w->segment);
+        td_additive_noise_next_along(&sensor->additive, sensor->number[w->pixel->i],
+                                     td_noise_light_of(&w->pixel->input, w->noise_until), &w->path, &w->segment);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     if (sensor->kick.on) seek_kick(w, s);
@@ -100,7 +101,10 @@ static void begin_segments(walk *w) {
     td_response_range(&w->pixel->response, &w->low, &w->high);
     begin_kicks(w);
     if (sensor->additive.on) {
-        w->segment = td_sensor_noise_segment(sensor, i);
+        w->path = w->pixel->noise;
+        w->segment =
+            td_additive_noise_along(&sensor->additive, sensor->number[i], (uint64_t)sensor->segment.number[i],
+                                    sensor->segment.value[i], sensor->segment.light ? sensor->segment.light[i] : 0, &w->path);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     w->segment_until = fmin(w->noise_until, w->kick_until);
@@ -314,14 +318,25 @@ static void pass_masked(walk *w) {
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
+/* Passes over segments of the noise that can't reach a level, up to `end`. Returns where the walk's segment ends, or `end` if
+ * that is earlier. */
+static double pass_quiet(walk *w, double end) {
+    while (w->segment_until < end && stays_between(w, w->low, w->high)) {
+        w->s = w->segment_until;
+        seek_segment(w, w->s);
+    }
+    return fmin(end, w->segment_until);
+}
+
 /* Advances through a visible part of the step: to the first crossing or noise event, or to the part's end. */
 static tides_status look(walk *w) {
     const td_pixel_step *p = w->pixel;
     td_pixel_job *job = w->job;
     int source;
     seek_segment(w, w->s);
-    double noise = next_noise(w, &source), last = fmin(p->visible_to, 1), until = fmin(fmin(noise, last), w->segment_until),
-           at = w->s;
+    const double noise = next_noise(w, &source), last = fmin(p->visible_to, 1), end = fmin(noise, last);
+    const double until = job->sensor->additive.on ? pass_quiet(w, end) : fmin(end, w->segment_until);
+    double at = w->s;
     int polarity = w->cut ? 0 : cross(w, w->s, until, &at);
     if (polarity && w->crossed == job->sensor->sensor.max_events_per_step) {
         w->cut = 1;

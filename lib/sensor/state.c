@@ -28,6 +28,12 @@ double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double 
     return S + td_sensor_noise_at(sensor, pixel, time);
 }
 
+int td_sensor_wants_light(const td_sensor *sensor) {
+    int noises = 0;
+    for (int k = 0; k < TD_NOISES; k++) noises |= sensor->noise.due[k] != NULL;
+    return sensor->labels || sensor->additive.varies || noises;
+}
+
 td_levels td_sensor_levels(const td_sensor *sensor, const td_step *step, size_t first) {
     const tides_sensor *same = &sensor->sensor;
     const double *reference = sensor->pixels.reference + first;

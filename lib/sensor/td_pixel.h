@@ -37,6 +37,7 @@ typedef struct td_pixel_step {
     td_model input;                  /* log-luminance */
     td_response response;            /* S_eff */
     double end;                      /* S_eff at the step's end, which the response may miss by rounding */
+    td_noise_path noise;             /* of additive noise, or none */
     double visible_from, visible_to; /* s between which it is visible; 2 and 2: nowhere */
 } td_pixel_step;
 

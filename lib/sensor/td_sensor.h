@@ -167,6 +167,9 @@ tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int
 /* Sets the reference of a pixel that had log-luminance L and has done nothing yet, if td_sensor_shows_signal. */
 void td_sensor_refer(const td_sensor *sensor, size_t pixel, double L);
 
+/* 1 where td_seen.light is read: the log-luminance, where the signal is another, decides about noise or is labelled. */
+int td_sensor_wants_light(const td_sensor *sensor);
+
 /* Coverage of a tile's pixels at both ends of the step, in [0, 1]; read only where sensor->masks. */
 typedef struct td_coverage {
     const double *begin, *end; /* (count) */
@@ -175,7 +178,7 @@ typedef struct td_coverage {
 /* The inputs of a tile's pixels at both ends of a step. */
 typedef struct td_seen {
     const td_signals *signals;
-    const td_signals *light; /* log-luminance, where the signals aren't; NULL: they are */
+    const td_signals *light; /* log-luminance, where the signals aren't; NULL: they are, or td_sensor_wants_light is 0 */
     td_coverage coverage;
 } td_seen;
 

@@ -1,4 +1,4 @@
-/* Internal: the simulator's centre-surround. Its modes belong to all pixels, so that all tiles have the same steps, and the
+/* Internal: the simulator's centre-surround. All pixels belong together in it, so that all tiles have the same steps, and the
  * comparator sees each step in the surround's pieces.
  *
  * The photoreceptor's low-pass comes after the surround here, and before it in the eye. Where the filter is constant and equal
@@ -14,7 +14,7 @@ typedef struct td_surround_steps {
     td_surround surround;
     double *from_dot, *p, *p_dot; /* (height x width) */
     double *S;                    /* (pixels), tile by tile: the comparator's input at the time reached */
-    double *modes;                /* (pixels) modes of the surround at that time, mode (j, k) in the place of pixel (k, j) */
+    double *h;                    /* (pixels) the surround at that time */
 } td_surround_steps;
 
 /* Makes the steps of a sensor with a surround. */
@@ -22,9 +22,12 @@ TIDES_MUST_CHECK tides_status td_surround_steps_create(struct tides_simulator *s
                                                        tides_error *error);
 void td_surround_steps_release(td_surround_steps *steps);
 
-/* Begins the run at s->now, or continues it from there with `modes`. */
+/* Begins the run at s->now, or continues it from there with `h`. */
 void td_surround_steps_begin(struct tides_simulator *s);
 void td_surround_steps_resume(struct tides_simulator *s);
+
+/* Stores S and h at the time reached, which macro steps end with. */
+void td_surround_steps_note(struct tides_simulator *s);
 
 /* Runs the comparator over the step of all tiles from s->now, at `start`, to s->next, at `stop`. `which` (tiles; nullable) are
  * the refined steps of the tiles. */

@@ -167,13 +167,21 @@ static void test_lines(void **state) {
     }
 }
 
-/* Of many pixels side by side, over steps of any length: the lines that each comes to by itself, and its bounds on the way. */
+static void expect_same(const td_noise_segment *a, const td_noise_segment *b) {
+    assert_true(a->k == b->k && a->begin == b->begin && a->end == b->end && a->reach == b->reach);
+    assert_true(a->from_ns == b->from_ns && a->to_ns == b->to_ns && a->origin_ns == b->origin_ns);
+}
+
+/* Of many pixels side by side, over steps of any length: the lines that each comes to by itself, and its bounds on the way. The
+ * paths that a sweep leaves have the same lines, and those that are longer than there is room for go on behind it. */
 static void test_sweep(void **state) {
     enum { COUNT = TD_RANDOM_LANES + 5, SWEEPS = 60 };
     td_additive_noise noise = make(SEED + 5);
     td_noise_segment line[COUNT];
     uint32_t pixel[COUNT];
-    double k[COUNT], value[COUNT], low[COUNT], high[COUNT], now = 0;
+    double k[COUNT], value[COUNT], low[COUNT], high[COUNT], now = 0, path[2 * TD_RANDOM_LANES * TD_NOISE_PATH];
+    td_noise_path paths[COUNT];
+    int along = 0, behind = 0;
     (void)state;
     for (int i = 0; i < COUNT; i++) {
         pixel[i] = (uint32_t)(7 * i);
@@ -183,11 +191,18 @@ static void test_sweep(void **state) {
     }
     for (int n = 0; n < SWEEPS; n++) {
         double length = noise.spacing_ns * (n % 3 == 0 ? 0.01 : n % 3 == 1 ? 1.7 : 40.0 + n);
-        td_additive_noise_sweep(&noise, now, length, pixel, COUNT, &(td_noise_sweep){k, value, low, high, NULL, NULL});
+        const td_noise_sweep sweep = {k, value, low, high, NULL, NULL, path, paths};
+        td_additive_noise_sweep(&noise, now, length, pixel, COUNT, &sweep);
         for (int i = 0; i < COUNT; i++) {
             double least = fmin(line[i].begin, line[i].end), most = fmax(line[i].begin, line[i].end);
+            td_noise_segment at = td_additive_noise_along(&noise, pixel[i], line[i].k, line[i].begin, 0, &paths[i]);
+            expect_same(&at, &line[i]);
             while (td_place_of(line[i].to_ns, now, length) < 1) {
                 td_additive_noise_next(&noise, pixel[i], 0, &line[i]);
+                td_additive_noise_next_along(&noise, pixel[i], 0, &paths[i], &at);
+                expect_same(&at, &line[i]);
+                along += paths[i].x != NULL;
+                behind += paths[i].x == NULL;
                 least = fmin(least, line[i].end);
                 most = fmax(most, line[i].end);
             }
@@ -196,6 +211,7 @@ static void test_sweep(void **state) {
         }
         now += length;
     }
+    assert_true(along > 10000 && behind > 1000);
 }
 
 static void test_refused(void **state) {

@@ -32,6 +32,14 @@ static td_surround make(double lambda, double tau, double tolerance) {
     return s;
 }
 
+static void begin(td_surround *s, double length, const double *from_dot, const double *p, const double *p_dot) {
+    double *next, *next_dot;
+    td_surround_next_input(s, &next, &next_dot);
+    memcpy(next, p, PIXELS * sizeof *next);
+    memcpy(next_dot, p_dot, PIXELS * sizeof *next);
+    td_surround_begin(s, length, from_dot);
+}
+
 static void random_image(uint64_t *seed, double scale, double *image) {
     for (int i = 0; i < PIXELS; i++) image[i] = scale * scene_between(seed, -1, 1);
 }
@@ -81,13 +89,14 @@ static void check_ramp(int j, int k, double lambda, double tau) {
     double rounding = 1e-10 + 5e-16 * (1 + 8 * lambda * lambda) / (tau > 0 ? tau : 1);
     td_surround s = make(lambda, tau, 1e-3);
     td_surround_sample a, b;
-    td_surround_rest(&s, mode, zero, &a);
+    td_surround_rest(&s, mode, zero);
+    a = s.end;
     for (int i = 0; i < PIXELS; i++) {
         expect_close(a.S[i], mode[i] * (1 - 1 / r), 1e-13);
         rates[i] = slope * mode[i];
         end[i] = mode[i] * (1 + slope * length);
     }
-    td_surround_begin(&s, length, rates, end, rates);
+    begin(&s, length, rates, end, rates);
     double reached = 0;
     while (td_surround_next(&s, &from, &to, &a, &b)) {
         assert_true(from == reached && to > from);
@@ -198,9 +207,10 @@ static void test_equation(void **state) {
         double lambda = 1.7, tau = taus[trial], h[PIXELS], S[PIXELS], from, to, off = 0, missed = 0;
         td_surround s = make(lambda, tau, tolerance);
         td_surround_sample a, b;
-        td_surround_rest(&s, c.p0, c.p0_dot, &a);
+        td_surround_rest(&s, c.p0, c.p0_dot);
+        a = s.end;
         for (int i = 0; i < PIXELS; i++) h[i] = c.p0[i] - a.S[i];
-        td_surround_begin(&s, c.length, c.p0_dot, c.p1, c.p1_dot);
+        begin(&s, c.length, c.p0_dot, c.p1, c.p1_dot);
         int pieces = 0;
         for (; td_surround_next(&s, &from, &to, &a, &b); pieces++) {
             static const double parts[] = {0.25, 0.5, 0.8, 1};
@@ -237,19 +247,20 @@ static void test_cuts(void **state) {
     }
     td_surround whole = make(2.5, 1e-3, 1e-4), cut = make(2.5, 1e-3, 1e-4), saved = make(2.5, 1e-3, 1e-4);
     td_surround_sample a, b, x, y;
-    td_surround_rest(&whole, c.p0, c.p0_dot, &a);
-    td_surround_rest(&cut, c.p0, c.p0_dot, &a);
-    td_surround_begin(&whole, c.length, c.p0_dot, c.p1, c.p1_dot);
+    td_surround_rest(&whole, c.p0, c.p0_dot);
+    td_surround_rest(&cut, c.p0, c.p0_dot);
+    begin(&whole, c.length, c.p0_dot, c.p1, c.p1_dot);
     while (td_surround_next(&whole, &from, &to, &a, &b)) {
     }
-    td_surround_begin(&cut, 0.3 * c.length, c.p0_dot, half, half_dot);
+    begin(&cut, 0.3 * c.length, c.p0_dot, half, half_dot);
     while (td_surround_next(&cut, &from, &to, &x, &y)) {
     }
-    td_surround_resume(&saved, cut.surround, half, half_dot, &x);
+    td_surround_resume(&saved, cut.surround, half, half_dot);
+    x = saved.end;
     assert_memory_equal(x.S, y.S, sizeof half);
     assert_memory_equal(x.S_dot, y.S_dot, sizeof half);
-    td_surround_begin(&cut, 0.7 * c.length, half_dot, c.p1, c.p1_dot);
-    td_surround_begin(&saved, 0.7 * c.length, half_dot, c.p1, c.p1_dot);
+    begin(&cut, 0.7 * c.length, half_dot, c.p1, c.p1_dot);
+    begin(&saved, 0.7 * c.length, half_dot, c.p1, c.p1_dot);
     while (td_surround_next(&cut, &from, &to, &x, &y)) {
         double again[2];
         td_surround_sample p, q;
@@ -266,6 +277,87 @@ static void test_cuts(void **state) {
     td_surround_release(&whole);
     td_surround_release(&cut);
     td_surround_release(&saved);
+}
+
+/* -- on the image ---------------------------------------------------------------------------------------------------------- */
+
+/* td_diffuse against a mode's closed form: the ramp of check_ramp, at the part's middle and end, with one panel or several. */
+static void test_diffuse_modes(void **state) {
+    static const double lengths[] = {1e-6, 1e-4, 1e-3, 3e-3, 1e-2}, slope = 20, tau = 2e-3, lambda = 2;
+    td_diffusion d;
+    (void)state;
+    assert_int_equal(td_diffusion_create(WIDTH, HEIGHT, &d, NULL), TIDES_OK);
+    for (int k = 0; k < 3; k++)
+        for (size_t n = 0; n < sizeof lengths / sizeof *lengths; n++) {
+            static const int orders[][2] = {{0, 0}, {2, 5}, {HEIGHT - 1, WIDTH - 1}};
+            double mode[PIXELS], rates[PIXELS], to[PIXELS], from[PIXELS], half[PIXELS], end[PIXELS], spare[PIXELS];
+            const double r = 1 + lambda * lambda * one_mode(orders[k][0], orders[k][1], mode), length = lengths[n];
+            for (int i = 0; i < PIXELS; i++) {
+                rates[i] = slope * mode[i];
+                from[i] = mode[i] / r;
+                to[i] = mode[i] * (1 + slope * length);
+            }
+            const td_diffuse_part part = {{mode, rates, to, rates}, length, 0, 1, tau, lambda * lambda};
+            td_diffuse(&d, &part, from, half, end, spare);
+            for (int m = 1; m <= 2; m++) {
+                const double t = 0.5 * m * length, h = 1 / r + slope / r * (t + tau / r * expm1(-r * t / tau));
+                for (int i = 0; i < PIXELS; i++) expect_close(m == 1 ? half[i] : end[i], mode[i] * h, 1e-13);
+            }
+        }
+    td_diffusion_release(&d);
+}
+
+/* td_diffuse against a direct integration, for any image and part of a step. */
+static void test_diffuse_images(void **state) {
+    uint64_t seed = SEED + 2;
+    td_diffusion d;
+    (void)state;
+    assert_int_equal(td_diffusion_create(WIDTH, HEIGHT, &d, NULL), TIDES_OK);
+    for (int trial = 0; trial < 8; trial++) {
+        const cubic_image c = random_cubic(&seed);
+        const double lambda = scene_between(&seed, 0.3, 3), tau = scene_between(&seed, 0.5e-3, 2e-2);
+        const double s0 = scene_between(&seed, 0, 0.5), s1 = s0 + scene_between(&seed, 0.01, 0.1);
+        const td_diffuse_part part = {{c.p0, c.p0_dot, c.p1, c.p1_dot}, c.length, s0, s1, tau, lambda * lambda};
+        double from[PIXELS], half[PIXELS], end[PIXELS], spare[PIXELS], h[PIXELS];
+        random_image(&seed, 1, from);
+        memcpy(h, from, sizeof h);
+        td_diffuse(&d, &part, from, half, end, spare);
+        integrate(&c, s0 * c.length, 0.5 * (s0 + s1) * c.length, lambda, tau, h);
+        for (int i = 0; i < PIXELS; i++) expect_close(half[i], h[i], 1e-9);
+        integrate(&c, 0.5 * (s0 + s1) * c.length, s1 * c.length, lambda, tau, h);
+        for (int i = 0; i < PIXELS; i++) expect_close(end[i], h[i], 1e-9);
+    }
+    td_diffusion_release(&d);
+}
+
+/* Images of one row or column, whose borders all repeat: as a wide image that is constant along the other direction. NaN stays
+ * near its pixel's rows, and everything ends. */
+static void test_diffuse_borders(void **state) {
+    enum { LONG = 40, WIDE = 5 };
+    double wide[6][LONG * WIDE], narrow[6][LONG];
+    uint64_t seed = SEED + 3;
+    (void)state;
+    for (int i = 0; i < LONG * WIDE; i++)
+        for (int k = 0; k < 6; k++) narrow[k][i / WIDE] = wide[k][i] = i % WIDE ? wide[k][i - 1] : scene_between(&seed, -1, 1);
+    const td_diffuse_part of_wide = {{wide[0], wide[1], wide[2], wide[3]}, 1e-3, 0, 1, 2e-3, 3};
+    for (int turned = 0; turned < 2; turned++) {
+        const td_diffuse_part part = {{narrow[0], narrow[1], narrow[2], narrow[3]}, 1e-3, 0, 1, 2e-3, 3};
+        double half[2][LONG * WIDE], end[2][LONG * WIDE], spare[LONG * WIDE];
+        td_diffusion d, e;
+        assert_int_equal(td_diffusion_create(WIDE, LONG, &d, NULL), TIDES_OK);
+        assert_int_equal(td_diffusion_create(turned ? LONG : 1, turned ? 1 : LONG, &e, NULL), TIDES_OK);
+        td_diffuse(&d, &of_wide, wide[4], half[0], end[0], spare);
+        td_diffuse(&e, &part, narrow[4], half[1], end[1], spare);
+        for (int i = 0; i < LONG; i++) expect_close(end[1][i], end[0][i * WIDE], 1e-14);
+        for (int i = 0; i < LONG; i++) expect_close(half[1][i], half[0][i * WIDE], 1e-14);
+        narrow[5][0] = narrow[4][LONG / 2];
+        narrow[4][LONG / 2] = NAN;
+        td_diffuse(&e, &part, narrow[4], half[1], end[1], spare);
+        narrow[4][LONG / 2] = narrow[5][0];
+        assert_true(isnan(end[1][LONG / 2]) && isfinite(narrow[4][LONG / 2]));
+        td_diffusion_release(&d);
+        td_diffusion_release(&e);
+    }
 }
 
 static void test_refused(void **state) {
@@ -287,8 +379,10 @@ static void test_refused(void **state) {
 int main(void) {
     print_message("seed %d\n", (int)SEED);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cosine), cmocka_unit_test(test_modes),   cmocka_unit_test(test_equation),
-        cmocka_unit_test(test_cuts),   cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_cosine),          cmocka_unit_test(test_modes),
+        cmocka_unit_test(test_equation),        cmocka_unit_test(test_cuts),
+        cmocka_unit_test(test_diffuse_modes),   cmocka_unit_test(test_diffuse_images),
+        cmocka_unit_test(test_diffuse_borders), cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

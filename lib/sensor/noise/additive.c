@@ -160,6 +160,35 @@ void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, doub
     while (segment->to_ns < time_ns) td_additive_noise_next(noise, pixel, segment->light, segment);
 }
 
+/* The segment from x(k) = begin to the path's x(k + 1). */
+static td_noise_segment take_path(const td_additive_noise *noise, const td_noise_path *path, uint64_t k, double begin) {
+    td_noise_segment segment;
+    segment.k = k;
+    segment.begin = begin;
+    segment.origin_ns = path->origin_ns;
+    segment.light = 0;
+    segment.from_ns = segment.origin_ns + (double)k * noise->spacing_ns;
+    segment.to_ns = end_of_segment(noise, segment.origin_ns, (double)k);
+    segment.reach = noise->reach;
+    segment.end = path->x[(k + 1 - path->from) * TD_RANDOM_LANES];
+    return segment;
+}
+
+td_noise_segment td_additive_noise_along(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value, double light,
+                                         td_noise_path *path) {
+    if (path->x && k + 1 - path->from < TD_NOISE_PATH) return take_path(noise, path, k, value);
+    path->x = NULL;
+    return td_additive_noise_resume(noise, pixel, k, value, light);
+}
+
+void td_additive_noise_next_along(const td_additive_noise *noise, uint32_t pixel, double light, td_noise_path *path,
+                                  td_noise_segment *segment) {
+    if (path->x)
+        *segment = td_additive_noise_along(noise, pixel, segment->k + 1, segment->end, light, path);
+    else
+        td_additive_noise_next(noise, pixel, light, segment);
+}
+
 /* -- many pixels ----------------------------------------------------------------------------------------------------------- */
 
 /* Pixels of a sweep. Values that change from point to point are arrays, so that compilers vectorise. */
@@ -170,6 +199,7 @@ typedef struct lanes {
     double first[TD_RANDOM_LANES], last[TD_RANDOM_LANES];     /* numbers of segments */
     double x[TD_RANDOM_LANES], begin[TD_RANDOM_LANES];        /* the process at `point`, and at the last segment's start */
     double lowest[TD_RANDOM_LANES], highest[TD_RANDOM_LANES]; /* x so far */
+    double origin[TD_RANDOM_LANES];                           /* of segment 0 [ns] */
 } lanes;
 
 /* The number of the segment that contains the step's end, from `first` on; computed with the rounding of pixel.c. */
@@ -191,7 +221,8 @@ static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, doub
     td_random_uniforms_many(&bits, phase);
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
         const int64_t block = ((int64_t)l->first[i] + 1) / TD_NOISE_BLOCK;
-        l->last[i] = last_segment(noise, -phase[i] * noise->spacing_ns, l->first[i], start_ns, length_ns);
+        l->origin[i] = -phase[i] * noise->spacing_ns;
+        l->last[i] = last_segment(noise, l->origin[i], l->first[i], start_ns, length_ns);
         l->number[i] = (uint64_t)block + 1;
         l->point[i] = (double)(TD_NOISE_BLOCK * block);
         l->begin[i] = l->lowest[i] = l->highest[i] = l->x[i];
@@ -201,8 +232,9 @@ static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, doub
     return most;
 }
 
-/* Advances the lanes by the normals n(point + after), where these belong to their segments. */
-TD_WIDE static void advance(const td_additive_noise *noise, double after, const float *restrict normal, lanes *restrict l) {
+/* Advances the lanes by the normals n(point + after), where these belong to their segments, and keeps x. */
+TD_WIDE static void advance(const td_additive_noise *noise, double after, const float *restrict normal, lanes *restrict l,
+                            double *restrict kept) {
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
         const double point = l->point[i] + after, next = td_noise_moved(noise->move, l->x[i], (double)normal[i]);
         double x = l->x[i];
@@ -211,17 +243,20 @@ TD_WIDE static void advance(const td_additive_noise *noise, double after, const 
         l->begin[i] = point <= l->last[i] ? x : l->begin[i];
         l->lowest[i] = x < l->lowest[i] ? x : l->lowest[i];
         l->highest[i] = x > l->highest[i] ? x : l->highest[i];
-        l->x[i] = x;
+        l->x[i] = kept[i] = x;
     }
 }
 
-static void sweep_lanes(const td_additive_noise *noise, double start_ns, double length_ns, lanes *l) {
+static void sweep_lanes(const td_additive_noise *noise, double start_ns, double length_ns, lanes *l, double *path) {
     float normal[TD_NOISE_BLOCK][TD_RANDOM_LANES];
+    double beyond[TD_RANDOM_LANES];
+    int kept = 0;
     td_random_lanes bits;
     for (int64_t left = begin_lanes(noise, start_ns, length_ns, l); left > 0; left--) {
         td_random_many(noise->seed, l->pixel, l->number, TD_RANDOM_NOISE, &bits);
         td_random_short_normals_many(&bits, normal);
-        for (int n = 0; n < TD_NOISE_BLOCK; n++) advance(noise, n, normal[n], l);
+        for (int n = 0; n < TD_NOISE_BLOCK; n++, kept++)
+            advance(noise, n, normal[n], l, kept < TD_NOISE_PATH ? path + kept * TD_RANDOM_LANES : beyond);
         for (int i = 0; i < TD_RANDOM_LANES; i++) {
             l->number[i]++;
             l->point[i] += TD_NOISE_BLOCK;
@@ -265,8 +300,11 @@ void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, do
             l.first[i] = sweep->segment[j];
             l.x[i] = sweep->value[j];
         }
-        sweep_lanes(noise, start_ns, length_ns, &l);
+        double *path = sweep->path + done * TD_NOISE_PATH;
+        sweep_lanes(noise, start_ns, length_ns, &l, path);
         for (size_t i = 0; i < TD_RANDOM_LANES && done + i < count; i++) {
+            const uint64_t block = ((uint64_t)l.first[i] + 1) / TD_NOISE_BLOCK;
+            sweep->paths[done + i] = (td_noise_path){path + i, block * TD_NOISE_BLOCK, l.origin[i]};
             sweep->segment[done + i] = l.last[i];
             sweep->value[done + i] = l.begin[i];
             sweep->low[done + i] = l.lowest[i];

@@ -25,6 +25,8 @@ typedef struct part {
     uint32_t node; /* 1: the segment; 2 n and 2 n + 1: the halves of n */
     int depth;     /* of the node in the tree */
     float normal;  /* of its middle, where the depth is odd */
+    int is_late;   /* 1: that normal is still to be drawn, of these bits */
+    td_random_bits bits;
     double from_ns, to_ns, begin, end, low, high;
 } part;
 
@@ -82,7 +84,7 @@ static void bound(const td_additive_noise *noise, part *p, double low, double hi
 }
 
 static part whole(const td_additive_noise *noise, const td_noise_segment *segment) {
-    part p = {1, 0, 0, segment->from_ns, segment->to_ns, segment->begin, segment->end, 0, 0};
+    part p = {.node = 1, .from_ns = segment->from_ns, .to_ns = segment->to_ns, .begin = segment->begin, .end = segment->end};
     bound(noise, &p, -INFINITY, INFINITY);
     return p;
 }
@@ -91,20 +93,19 @@ static td_random_bits bits_of(const td_additive_noise *noise, uint32_t pixel, ui
     return td_random(noise->seed, pixel, k, TD_RANDOM_NOISE_BRIDGE | p->node << TD_RANDOM_PURPOSE_BITS);
 }
 
-/* A part of even depth draws the middles of its halves with its own. */
+/* A part of even depth draws the middles of its halves with its own; that of the later half when it is halved. */
 static void halve(const td_additive_noise *noise, uint32_t pixel, uint64_t k, const part *p, part half[2]) {
     const td_noise_level *level = &noise->level[p->depth];
     const double middle_ns = 0.5 * (p->from_ns + p->to_ns);
-    float normal[4] = {p->normal};
-    if (p->depth % 2 == 0) {
-        const td_random_bits bits = bits_of(noise, pixel, k, p);
-        td_random_short_normals(&bits, 0, normal);
-        if (p->depth + 1 < noise->depth) td_random_short_normals(&bits, 1, normal + 2);
-    }
+    const int draws = p->depth % 2 == 0;
+    td_random_bits bits = p->bits;
+    float normal[2] = {p->normal};
+    if (draws) bits = bits_of(noise, pixel, k, p);
+    if (draws || p->is_late) td_random_short_normals(&bits, !draws, normal);
     const double free = level->mean * (p->begin + p->end) + level->change * (double)normal[0];
     const double middle = td_lesser(td_greater(free, p->low), p->high);
-    half[0] = (part){2 * p->node, p->depth + 1, normal[1], p->from_ns, middle_ns, p->begin, middle, 0, 0};
-    half[1] = (part){2 * p->node + 1, p->depth + 1, normal[2], middle_ns, p->to_ns, middle, p->end, 0, 0};
+    half[0] = (part){2 * p->node, p->depth + 1, normal[1], 0, bits, p->from_ns, middle_ns, p->begin, middle, 0, 0};
+    half[1] = (part){2 * p->node + 1, p->depth + 1, 0, draws, bits, middle_ns, p->to_ns, middle, p->end, 0, 0};
     bound(noise, &half[0], p->low, p->high);
     bound(noise, &half[1], p->low, p->high);
 }

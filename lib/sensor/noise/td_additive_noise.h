@@ -94,6 +94,22 @@ void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, doub
  * light. */
 void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_segment *segment);
 
+/* A pixel's process as a sweep found it: x(k) is x[(k - from) TD_RANDOM_LANES], for the segments of the sweep and k - from <
+ * TD_NOISE_PATH. */
+enum { TD_NOISE_PATH = 64 };
+typedef struct td_noise_path {
+    const double *x; /* NULL: there is none */
+    uint64_t from;
+    double origin_ns; /* of segment 0 */
+} td_noise_path;
+
+/* td_additive_noise_resume and td_additive_noise_next with the numbers of a path, to the bit. Without a path they draw, and so
+ * they do behind its end, where x becomes NULL. */
+td_noise_segment td_additive_noise_along(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value, double light,
+                                         td_noise_path *path);
+void td_additive_noise_next_along(const td_additive_noise *noise, uint32_t pixel, double light, td_noise_path *path,
+                                  td_noise_segment *segment);
+
 /* A time as a step's s in [0, 1]. */
 static inline double td_place_of(double time_ns, double start_ns, double length_ns) { return (time_ns - start_ns) / length_ns; }
 
@@ -107,6 +123,8 @@ static inline double td_noise_light_of(const td_model *input, double s) { return
 typedef struct td_noise_sweep {
     double *segment, *value, *low, *high, *light;
     const td_model *input;
+    double *path;         /* room for TD_NOISE_PATH x TD_RANDOM_LANES numbers for each TD_RANDOM_LANES pixels, and */
+    td_noise_path *paths; /* (count) its content; neither is set for noise that varies */
 } td_noise_sweep;
 
 /* Sweeps all pixels side by side. The results equal those of td_additive_noise_next, segment by segment, to the bit. */

@@ -128,7 +128,8 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
 
 /* Walks over the substeps of a step; `source` gets a segment for each eighth of it. If there is one substep in the step's own
  * time, its response is returned directly. */
-static void step_in_substeps(td_filter_input *source, double state[TD_FRONTEND_STATE], td_response *response) {
+static void step_in_substeps(td_filter_input *source, double state[TD_FRONTEND_STATE], td_response *response,
+                             td_kept_substeps *kept) {
     td_substeps substeps;
     double low, high;
     int count = 0;
@@ -137,6 +138,7 @@ static void step_in_substeps(td_filter_input *source, double state[TD_FRONTEND_S
         td_response_range(&substeps.response, &low, &high);
         at->low = td_lesser(low, at->low);
         at->high = td_greater(high, at->high);
+        if (kept) td_substeps_keep(&substeps, kept);
         if (substeps.to >= 1 || substeps.to < source->segments / (double)TD_SEGMENTS_MAX) continue;
         at = &source->segment[source->segments++];
         td_substeps_mark(&substeps, at);
@@ -148,10 +150,16 @@ static void step_in_substeps(td_filter_input *source, double state[TD_FRONTEND_S
     }
     td_response_set(response, &(td_model){{0, 0, 0, 0}});
     response->source = *source;
+    if (count <= TD_SUBSTEPS_KEPT) response->source.kept = kept;
 }
 
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_response *response) {
+    td_frontend_step_keeping(frontend, h, input, log_eps, state, response, NULL);
+}
+
+void td_frontend_step_keeping(const td_frontend *frontend, double h, const td_model *input, double log_eps,
+                              double state[TD_FRONTEND_STATE], td_response *response, td_kept_substeps *kept) {
     td_response_set(response, input);
     if (!frontend->on) return;
     if (!td_model_is_finite(input)) {
@@ -171,11 +179,12 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
     }
     td_filter_input source;
     source.frontend = frontend;
+    source.kept = NULL;
     source.input = *input;
     source.h = h;
     source.log_eps = log_eps;
     source.dark_L = td_ln(log_eps);
     source.segments = 1;
-    source.segment[0] = (td_segment){0, 1, {state[0], state[1], state[2], state[3]}, INFINITY, -INFINITY, 0};
-    step_in_substeps(&source, state, response);
+    source.segment[0] = (td_segment){0, 1, {state[0], state[1], state[2], state[3]}, INFINITY, -INFINITY, 0, 0};
+    step_in_substeps(&source, state, response, kept);
 }

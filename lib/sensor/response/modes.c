@@ -33,7 +33,32 @@ void td_mode_tails(td_complex rate, double s, td_complex tail[5]) {
     }
 }
 
-static double real_part(const td_mode *mode, td_complex basis) { return mode->cosine * basis.re - mode->sine * basis.im; }
+/* Sums start at the last of all terms, but terms beyond a place's own count as 0, so that each sum is that of `series`. */
+TD_WIDE static void sum_series(double re, double im, td_mode_places *at) {
+    double z_re[TD_MODE_PLACES], z_im[TD_MODE_PLACES], last[TD_MODE_PLACES];
+    double sum_re[TD_MODE_PLACES] = {0}, sum_im[TD_MODE_PLACES] = {0};
+    for (int i = 0; i < TD_MODE_PLACES; i++) {
+        z_re[i] = re * -at->s[i];
+        z_im[i] = im * -at->s[i];
+        const double size = fabs(z_re[i]) + fabs(z_im[i]), more = size <= 0.25 ? 13.0 : TD_TAIL_TERMS;
+        last[i] = size <= 0.03 ? 9.0 : more;
+    }
+    for (int k = TD_TAIL_TERMS - 1; k >= 0; k--)
+        for (int i = 0; i < TD_MODE_PLACES; i++) {
+            const double product_re = z_re[i] * sum_re[i] - z_im[i] * sum_im[i];
+            const double product_im = z_re[i] * sum_im[i] + z_im[i] * sum_re[i];
+            sum_re[i] = product_re + (k < last[i] ? td_tail_term[k] : 0.0);
+            sum_im[i] = product_im;
+        }
+    for (int i = 0; i < TD_MODE_PLACES; i++) {
+        const double s = at->s[i], s3 = s * s * s, s4 = s * s * s * s;
+        const double phi_re = sum_re[i] * (1.0 / 24), phi_im = sum_im[i] * (1.0 / 24);
+        at->value_re[i] = phi_re * s4;
+        at->value_im[i] = phi_im * s4;
+        at->slope_re[i] = (z_re[i] * phi_re - z_im[i] * phi_im + 1.0 / 6) * s3;
+        at->slope_im[i] = (z_re[i] * phi_im + z_im[i] * phi_re) * s3;
+    }
+}
 
 /* tail[4] and tail[3] of a real rate: the complex operations without imaginary parts. */
 static double real_tail(double rate, double s) { return real_series(rate * -s) * (1.0 / 24) * (s * s * s * s); }
@@ -42,6 +67,20 @@ static double real_tail_slope(double rate, double s) {
     const double z = rate * -s;
     return (z * (real_series(z) * (1.0 / 24)) + 1.0 / 6) * (s * s * s);
 }
+
+void td_mode_tails_many(td_complex rate, td_mode_places *at) {
+    if (rate.im != 0) {
+        sum_series(rate.re, rate.im, at);
+        return;
+    }
+    for (int i = 0; i < TD_MODE_PLACES; i++) {
+        at->value_re[i] = real_tail(rate.re, at->s[i]);
+        at->slope_re[i] = real_tail_slope(rate.re, at->s[i]);
+        at->value_im[i] = at->slope_im[i] = 0;
+    }
+}
+
+static double real_part(const td_mode *mode, td_complex basis) { return mode->cosine * basis.re - mode->sine * basis.im; }
 
 double td_mode_value(const td_mode *mode, double s) {
     td_complex rate = td_mode_rate(mode), tail[5];

@@ -66,11 +66,12 @@ static td_poles photoreceptor(const attempt *at) {
 }
 
 static void tabulate_tail(attempt *at, int mode, td_complex rate) {
+    td_mode_places places = {.s = {0}};
+    for (int i = 0; i < NODES + BETWEEN; i++) places.s[i] = node[i];
+    td_mode_tails_many(rate, &places);
     for (int i = 0; i < NODES + BETWEEN; i++) {
-        td_complex tail[5];
-        td_mode_tails(rate, node[i], tail);
-        at->value[mode][i] = tail[4];
-        at->slope[mode][i] = tail[3];
+        at->value[mode][i] = (td_complex){places.value_re[i], places.value_im[i]};
+        at->slope[mode][i] = (td_complex){places.slope_re[i], places.slope_im[i]};
     }
 }
 
@@ -231,17 +232,45 @@ void td_substeps_begin(td_substeps *substeps, const td_filter_input *source, int
     substeps->from = substeps->to = begin->from;
     substeps->length = begin->length;
     substeps->tried = begin->tried;
+    substeps->number = begin->number;
     for (int i = 0; i < TD_FRONTEND_STATE; i++) substeps->state[i] = begin->state[i];
 }
 
 void td_substeps_mark(const td_substeps *substeps, td_segment *segment) {
-    *segment = (td_segment){substeps->to, substeps->length, {0}, INFINITY, -INFINITY, substeps->tried};
+    *segment = (td_segment){substeps->to, substeps->length, {0}, INFINITY, -INFINITY, substeps->tried, substeps->number};
     for (int i = 0; i < TD_FRONTEND_STATE; i++) segment->state[i] = substeps->state[i];
+}
+
+void td_substeps_keep(const td_substeps *substeps, td_kept_substeps *kept) {
+    if (substeps->number > TD_SUBSTEPS_KEPT) return;
+    td_kept_substep *to = &kept->at[substeps->number - 1];
+    to->from = substeps->from;
+    to->to = substeps->to;
+    to->map.on = substeps->map.on;
+    if (to->map.on) to->map = substeps->map;
+    to->cubic = substeps->response.cubic;
+    to->modes = substeps->response.modes;
+    for (int k = 0; k < to->modes; k++) to->mode[k] = substeps->response.mode[k];
+}
+
+static void take_kept(td_substeps *substeps, const td_kept_substep *kept) {
+    substeps->from = kept->from;
+    substeps->to = kept->to;
+    substeps->map.on = kept->map.on;
+    if (kept->map.on) substeps->map = kept->map;
+    td_response_set(&substeps->response, &kept->cubic);
+    substeps->response.modes = kept->modes;
+    for (int k = 0; k < kept->modes; k++) substeps->response.mode[k] = kept->mode[k];
 }
 
 int td_substeps_next(td_substeps *substeps) {
     double tolerance = substeps->source->frontend->tolerance, state[TD_FRONTEND_STATE], error;
     if (!(substeps->to < 1)) return 0;
+    substeps->number++;
+    if (substeps->source->kept) {
+        take_kept(substeps, &substeps->source->kept->at[substeps->number - 1]);
+        return 1;
+    }
     substeps->from = substeps->to;
     for (;;) {
         double left = 1 - substeps->from;

@@ -66,6 +66,12 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_response *response);
 
+/* td_frontend_step, whose response refers to `kept` (nullable) where its substeps fit there. It then solves none again, to the
+ * same bits. */
+struct td_kept_substeps;
+void td_frontend_step_keeping(const td_frontend *frontend, double h, const td_model *input, double log_eps,
+                              double state[TD_FRONTEND_STATE], td_response *response, struct td_kept_substeps *kept);
+
 /* Steps of many pixels without their responses, in a loop that vectorises; for TD_FRONTEND_CONSTANT only. For pixel i,
  * control[k][i] are the input's control values, and S[i] its state[0]. after[i] becomes that of td_frontend_step, to the bit.
  * `low` and `high` get bounds of the response, rounding included: pixels that could reach a level need td_frontend_step, from

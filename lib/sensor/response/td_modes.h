@@ -11,6 +11,15 @@ static inline td_complex td_mode_rate(const td_mode *mode) { return (td_complex)
  * before it. |rate s| <= 1. */
 void td_mode_tails(td_complex rate, double s, td_complex tail[5]);
 
+/* tail[4] and tail[3] for TD_MODE_PLACES values of s side by side, to the bit. */
+enum { TD_MODE_PLACES = 8 };
+typedef struct td_mode_places {
+    double s[TD_MODE_PLACES];
+    double value_re[TD_MODE_PLACES], value_im[TD_MODE_PLACES]; /* tail[4] */
+    double slope_re[TD_MODE_PLACES], slope_im[TD_MODE_PLACES]; /* tail[3] */
+} td_mode_places;
+void td_mode_tails_many(td_complex rate, td_mode_places *places);
+
 double td_mode_value(const td_mode *mode, double s);
 double td_mode_slope(const td_mode *mode, double s);
 

@@ -2,8 +2,8 @@
  * decaying modes, by which filters remember their past. Time within the step is s in [0, 1].
  *
  * Functions that are cubic in s (a leak's ramp) may be added to `cubic` before the response is used. The response of a filter
- * whose rates go with the light refers to its front end, which must outlive it, and computes its substeps again in each
- * call. */
+ * whose rates go with the light refers to its front end, which must outlive it. It computes its substeps again in each call,
+ * unless they are kept. */
 #ifndef TD_RESPONSE_H
 #define TD_RESPONSE_H
 
@@ -30,13 +30,15 @@ typedef struct td_segment {
     double state[TD_FRONTEND_STATE];
     double low, high;
     int tried;
+    int number; /* of the first substep */
 } td_segment;
 
 /* The response of such a filter: its input, and segments, at which a walk along substeps can begin. */
 typedef struct td_filter_input {
-    const struct td_frontend *frontend; /* NULL: there is none, and other members aren't set */
-    td_model input;                     /* log-luminance */
-    double h, log_eps, dark_L;          /* dark_L: L of Y = 0, log(log_eps) */
+    const struct td_frontend *frontend;  /* NULL: there is none, and other members aren't set */
+    const struct td_kept_substeps *kept; /* nullable: all substeps as they were solved; else walks solve them again */
+    td_model input;                      /* log-luminance */
+    double h, log_eps, dark_L;           /* dark_L: L of Y = 0, log(log_eps) */
     int segments;
     td_segment segment[TD_SEGMENTS_MAX];
 } td_filter_input;

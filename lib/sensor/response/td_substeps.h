@@ -50,15 +50,32 @@ typedef struct td_substeps {
     double state[TD_FRONTEND_STATE]; /* of the filter, at `to` */
     double from, to;                 /* s at the substep's ends */
     double length;                   /* of the next substep's first try, in s */
-    int tried;
-    td_time_map map;      /* from u to v */
-    td_response response; /* of the substep alone, as a function of v */
+    int tried, number;               /* number: of the next substep */
+    td_time_map map;                 /* from u to v */
+    td_response response;            /* of the substep alone, as a function of v */
 } td_substeps;
+
+/* All substeps of a step, so that walks needn't solve them again. */
+enum { TD_SUBSTEPS_KEPT = 32 };
+typedef struct td_kept_substep {
+    double from, to;
+    td_time_map map;
+    td_model cubic;
+    int modes;
+    td_mode mode[TD_RESPONSE_MODES_MAX];
+} td_kept_substep;
+typedef struct td_kept_substeps {
+    td_kept_substep at[TD_SUBSTEPS_KEPT]; /* large: only those that are there are set */
+} td_kept_substeps;
+
+/* Keeps the present substep if there is room for it. */
+void td_substeps_keep(const td_substeps *substeps, td_kept_substeps *kept);
 
 /* Begins a walk where segment number `segment` of the source begins; the walk goes to the step's end. It solves nothing yet. */
 void td_substeps_begin(td_substeps *substeps, const td_filter_input *source, int segment);
 
-/* Solves the next substep and returns 1, or returns 0 if the last substep ended the step. */
+/* Solves the next substep, or takes the kept one, and returns 1; returns 0 if the last substep ended the step. Kept substeps
+ * leave `state` and `length` as they were. */
 int td_substeps_next(td_substeps *substeps);
 
 /* Makes `segment` a place at which a walk can begin: the end of the present substep. Its bounds of S are still empty. */

@@ -90,7 +90,8 @@ static tides_status settle_common_step(tides_simulator *s, const int32_t *which,
     double from = td_refine_time(r, start, stop, r->step[which[0]].from),
            to = td_refine_time(r, start, stop, r->step[which[0]].to);
     for (int t = 0; t < s->layout.units; t++) {
-        reach(s, t, r->step[which[t]].end, &s->next);
+        if (r->step[which[t]].next < 0 || s->given.sample_planes > TD_PLANES_SIGNAL)
+            reach(s, t, r->step[which[t]].end, &s->next);
         note_step(s, &s->done.steps, &r->step[which[t]]);
     }
     tides_status status = td_surround_compare(s, from, to, which, error);
@@ -140,6 +141,7 @@ tides_status td_settle(tides_simulator *s, double start, double stop, int early,
         status = settle_together(s, start, stop, early, error);
     else if (status == TIDES_OK)
         status = settle_apart(s, early, error);
+    if (s->surround.surround.on && status == TIDES_OK && !early) td_surround_steps_note(s);
     s->totals.here.time_compare_s += td_now() - begun;
     s->broken |= status != TIDES_OK;
     return status;

@@ -13,7 +13,7 @@ void td_simulator_state(tides_simulator *s, td_state *state) {
         {"coverage", s->now.plane[TD_PLANE_ALPHA]},
         {"alpha_dot", s->now.plane[TD_PLANE_ALPHA_DOT]},
         {"contributors", s->now.plane[TD_PLANE_CONTRIBUTORS]},
-        {"surround_modes", s->surround.modes},
+        {"surround", s->surround.h},
     };
     for (size_t i = 0; i < sizeof real / sizeof real[0]; i++)
         td_state_add(state, real[i].name, TD_STATE_REAL, TD_STATE_PIXELS, pixels, real[i].values);

@@ -1,4 +1,4 @@
-/* Steps of all pixels together, through the centre-surround to the comparator, where the sensor has a surround. The modes'
+/* Steps of all pixels together, through the centre-surround to the comparator, where the sensor has a surround. The surround's
  * arithmetic is in lib/sensor/surround. */
 #include "solver/td_simulator.h"
 
@@ -16,7 +16,8 @@ tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *se
     double least = td_sensor_least_threshold(sensor);
     tides_status status =
         td_surround_create(sensor, s->layout.width, height, s->given.tolerance * least, &steps->surround, error);
-    double **images[] = {&steps->from_dot, &steps->p, &steps->p_dot, &steps->S, &steps->modes};
+    steps->surround.has_cubics = s->sensor.model == TIDES_MODEL_HERMITE;
+    double **images[] = {&steps->from_dot, &steps->p, &steps->p_dot, &steps->S, &steps->h};
     for (size_t i = 0; i < sizeof images / sizeof *images && status == TIDES_OK; i++)
         if (!(*images[i] = td_alloc(pixels, sizeof **images[i], error))) status = TIDES_NO_MEMORY;
     if (status == TIDES_OK) s->given.local = 0;
@@ -29,53 +30,60 @@ void td_surround_steps_release(td_surround_steps *steps) {
     free(steps->p);
     free(steps->p_dot);
     free(steps->S);
-    free(steps->modes);
+    free(steps->h);
     memset(steps, 0, sizeof *steps);
 }
 
-enum { TO_IMAGE, TO_TILES };
+/* Copies a tile's rows from the image's order to the tiles'. */
+static void take_rows(const tides_simulator *s, int t, const double *in_image, double *in_tile) {
+    const td_tile *tile = &s->layout.unit[t];
+    const size_t row = (size_t)tile->width, apart = (size_t)s->layout.width;
+    const double *image = in_image + (size_t)tile->y0 * apart + (size_t)tile->x0;
+    for (const double *end = in_tile + tile->count; in_tile < end; in_tile += row, image += apart)
+        memcpy(in_tile, image, row * sizeof *image);
+}
 
-/* Copies a tile's rows from the tiles' order to the image's, or back. */
-static void copy_rows(const tides_simulator *s, int t, int direction, double *in_image, double *in_tile) {
+static void put_rows(const tides_simulator *s, int t, const double *in_tile, double *in_image) {
     const td_tile *tile = &s->layout.unit[t];
     const size_t row = (size_t)tile->width, apart = (size_t)s->layout.width;
     double *image = in_image + (size_t)tile->y0 * apart + (size_t)tile->x0;
-    for (const double *end = in_tile + tile->count; in_tile < end; in_tile += row, image += apart) {
-        if (direction == TO_IMAGE)
-            memcpy(image, in_tile, row * sizeof *image);
-        else
-            memcpy(in_tile, image, row * sizeof *image);
-    }
+    for (const double *end = in_tile + tile->count; in_tile < end; in_tile += row, image += apart)
+        memcpy(image, in_tile, row * sizeof *image);
 }
 
-/* Copies the planes of all tiles. */
-static void rearrange(const tides_simulator *s, int direction, double *in_image, double *in_tiles) {
-    for (int t = 0; t < s->layout.units; t++) copy_rows(s, t, direction, in_image, in_tiles + s->layout.first_pixel[t]);
+/* Copies a plane of all tiles. */
+static void take_all(const tides_simulator *s, const double *in_image, double *in_tiles) {
+    for (int t = 0; t < s->layout.units; t++) take_rows(s, t, in_image, in_tiles + s->layout.first_pixel[t]);
 }
 
-/* Stores S and the modes at the time reached. */
-static void note_reached(const tides_simulator *s, const td_surround_sample *reached) {
-    rearrange(s, TO_TILES, reached->S, s->surround.S);
-    rearrange(s, TO_TILES, s->surround.surround.surround, s->surround.modes);
+static void put_all(const tides_simulator *s, const double *in_tiles, double *in_image) {
+    for (int t = 0; t < s->layout.units; t++) put_rows(s, t, in_tiles + s->layout.first_pixel[t], in_image);
+}
+
+void td_surround_steps_note(tides_simulator *s) {
+    take_all(s, s->surround.surround.end.S, s->surround.S);
+    take_all(s, s->surround.surround.surround, s->surround.h);
+}
+
+/* Copies s->now into the image's order. */
+static void take_now(tides_simulator *s) {
+    put_all(s, s->now.plane[TD_PLANE_S], s->surround.p);
+    put_all(s, s->now.plane[TD_PLANE_S_DOT], s->surround.p_dot);
 }
 
 void td_surround_steps_begin(tides_simulator *s) {
     td_surround_steps *steps = &s->surround;
-    td_surround_sample now;
-    rearrange(s, TO_IMAGE, steps->p, s->now.plane[TD_PLANE_S]);
-    rearrange(s, TO_IMAGE, steps->p_dot, s->now.plane[TD_PLANE_S_DOT]);
-    td_surround_rest(&steps->surround, steps->p, steps->p_dot, &now);
-    note_reached(s, &now);
+    take_now(s);
+    td_surround_rest(&steps->surround, steps->p, steps->p_dot);
+    td_surround_steps_note(s);
 }
 
 void td_surround_steps_resume(tides_simulator *s) {
     td_surround_steps *steps = &s->surround;
-    td_surround_sample now;
-    rearrange(s, TO_IMAGE, steps->p, s->now.plane[TD_PLANE_S]);
-    rearrange(s, TO_IMAGE, steps->p_dot, s->now.plane[TD_PLANE_S_DOT]);
-    rearrange(s, TO_IMAGE, steps->from_dot, s->surround.modes);
-    td_surround_resume(&steps->surround, steps->from_dot, steps->p, steps->p_dot, &now);
-    note_reached(s, &now);
+    take_now(s);
+    put_all(s, steps->h, steps->from_dot);
+    td_surround_resume(&steps->surround, steps->from_dot, steps->p, steps->p_dot);
+    td_surround_steps_note(s);
 }
 
 /* A tile at one end of a piece: the planes that the comparator needs, and the photoreceptor's input where it needs that. */
@@ -85,12 +93,15 @@ typedef struct tile_sample {
 } tile_sample;
 
 /* Other planes are linear between s->now and s->next; `part` is the place in the step. */
-static void take_tile(const tides_simulator *s, int t, const td_surround_sample *from, double part, tile_sample *to) {
+static void take_tile(const tides_simulator *s, int t, const td_surround_sample *from, double part, int with_light,
+                      tile_sample *to) {
     const td_tile *tile = &s->layout.unit[t];
-    copy_rows(s, t, TO_TILES, from->S, to->own[TD_PLANE_S]);
-    copy_rows(s, t, TO_TILES, from->S_dot, to->own[TD_PLANE_S_DOT]);
-    copy_rows(s, t, TO_TILES, from->p, to->p);
-    copy_rows(s, t, TO_TILES, from->p_dot, to->p_dot);
+    take_rows(s, t, from->S, to->own[TD_PLANE_S]);
+    take_rows(s, t, from->S_dot, to->own[TD_PLANE_S_DOT]);
+    if (with_light) {
+        take_rows(s, t, from->p, to->p);
+        take_rows(s, t, from->p_dot, to->p_dot);
+    }
     for (int k = 0; k < s->given.sample_planes; k++) {
         to->plane[k] = to->own[k];
         const double *now = s->now.plane[k] + s->layout.first_pixel[t], *next = s->next.plane[k] + s->layout.first_pixel[t];
@@ -109,18 +120,32 @@ typedef struct part_step {
 static tides_status compare_some(const tides_simulator *s, td_portion *portion, int first, int stop, const void *user,
                                  tides_error *error) {
     const part_step *at = user;
+    const int with_light = td_sensor_wants_light(&s->sensor);
     tides_status status = TIDES_OK;
     for (int t = first; t < stop && status == TIDES_OK; t++) {
         tile_sample begin, end;
-        take_tile(s, t, &at->sample[0], at->part[0], &begin);
-        take_tile(s, t, &at->sample[1], at->part[1], &end);
+        take_tile(s, t, &at->sample[0], at->part[0], with_light, &begin);
+        take_tile(s, t, &at->sample[1], at->part[1], with_light, &end);
         const td_signals light = {begin.p, begin.p_dot, end.p, end.p_dot};
-        const td_compared unit = {t, &at->step, begin.plane, end.plane, &light};
+        const td_compared unit = {t, &at->step, begin.plane, end.plane, with_light ? &light : NULL};
         const size_t before = portion->work.events.count;
         status = td_compare_unit(s, portion, &unit, error);
         if (at->which && status == TIDES_OK) td_time_events(s, portion, &s->refine.step[at->which[t]], &unit, before);
     }
     return status;
+}
+
+/* Puts the tiles' samples at the step's end into one image: those of the refined steps `which`, or of s->next. */
+static void put_next(tides_simulator *s, const int32_t *which) {
+    const td_refine *r = &s->refine;
+    double *p, *p_dot;
+    td_surround_next_input(&s->surround.surround, &p, &p_dot);
+    for (int t = 0; t < s->layout.units; t++) {
+        const size_t first = s->layout.first_pixel[t];
+        const double *sample = which ? td_sample_at(&r->samples, r->step[which[t]].end) : NULL;
+        put_rows(s, t, sample ? sample : s->next.plane[TD_PLANE_S] + first, p);
+        put_rows(s, t, sample ? sample + r->samples.pixels : s->next.plane[TD_PLANE_S_DOT] + first, p_dot);
+    }
 }
 
 tides_status td_surround_compare(tides_simulator *s, double start, double stop, const int32_t *which, tides_error *error) {
@@ -129,15 +154,15 @@ tides_status td_surround_compare(tides_simulator *s, double start, double stop, 
     td_surround_sample *sample = at.sample;
     double *part = at.part;
     tides_status status = TIDES_OK;
-    rearrange(s, TO_IMAGE, steps->from_dot, s->now.plane[TD_PLANE_S_DOT]);
-    rearrange(s, TO_IMAGE, steps->p, s->next.plane[TD_PLANE_S]);
-    rearrange(s, TO_IMAGE, steps->p_dot, s->next.plane[TD_PLANE_S_DOT]);
-    td_surround_begin(&steps->surround, stop - start, steps->from_dot, steps->p, steps->p_dot);
+    const int goes_on = which && s->refine.step[which[0]].from > 0; /* p_dot may jump where macro steps begin */
+    if (!goes_on) put_all(s, s->now.plane[TD_PLANE_S_DOT], steps->from_dot);
+    put_next(s, which);
+    td_surround_begin(&steps->surround, stop - start, goes_on ? NULL : steps->from_dot);
     while (status == TIDES_OK && td_surround_next(&steps->surround, &part[0], &part[1], &sample[0], &sample[1])) {
         double from = start + (stop - start) * part[0], to = part[1] < 1 ? start + (stop - start) * part[1] : stop;
         status = td_grid_step(&s->grid, from, to, &at.step, error);
         if (status == TIDES_OK) status = td_share_out(s, s->layout.units, TD_FEWEST_UNITS, compare_some, &at, error);
     }
-    if (status == TIDES_OK) note_reached(s, &sample[1]);
+    if (status == TIDES_OK && !which) td_surround_steps_note(s);
     return status;
 }

@@ -5,6 +5,7 @@
  * jobs of a level are one batch of the renderer; jobs of equal time share a slot. */
 #include "solver/td_probe.h"
 #include "solver/td_simulator.h"
+#include "td_wide.h"
 
 #include <float.h>
 #include <math.h>
@@ -238,6 +239,15 @@ static size_t set_apart(const tides_simulator *s, td_refine *r) {
     return others;
 }
 
+/* Values and rates of cubics at s; `begin` and `end` are the planes of S and S_dot, `pixels` apart. */
+TD_WIDE static void continue_all(double h, double s, int pixels, const double *begin, const double *end, double *restrict to) {
+    for (int i = 0; i < pixels; i++) {
+        const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, begin[i], begin[pixels + i], end[i], end[pixels + i]);
+        to[i] = td_model_value(&model, s);
+        to[pixels + i] = td_model_slope(&model, s) / h;
+    }
+}
+
 /* Makes a sample from the step's cubic, and from lines for the other planes, where a step that follows is cut. */
 static void continue_cubic(td_refine *r, const td_refine_step *step, uint32_t at, int32_t sample) {
     const double *begin = td_sample_at(&r->samples, step->begin), *end = td_sample_at(&r->samples, step->end);
@@ -246,11 +256,7 @@ static void continue_cubic(td_refine *r, const td_refine_step *step, uint32_t at
     const double s = (td_refine_time(r, r->start, r->stop, at) - from) / h;
     const int pixels = r->samples.pixels, all = pixels * r->samples.planes;
     double *to = td_sample_at(&r->samples, sample);
-    for (int i = 0; i < pixels; i++) {
-        const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, begin[i], begin[pixels + i], end[i], end[pixels + i]);
-        to[i] = td_model_value(&model, s);
-        to[pixels + i] = td_model_slope(&model, s) / h;
-    }
+    continue_all(h, s, pixels, begin, end, to);
     for (int i = TD_PLANES_SIGNAL * pixels; i < all; i++) to[i] = (1 - s) * begin[i] + s * end[i];
     *td_sample_risk(&r->samples, sample) = 0;
 }
