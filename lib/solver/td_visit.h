@@ -51,6 +51,9 @@ double td_left_at(const td_visit *v, int n, double s, double S);
 /* Fills model.swapped, when the pieces are made. */
 void td_find_swapped(td_visit *v);
 
+/* 1 where change n is as accurate as required; its worth is set. */
+int td_is_known(const td_visit *v, int n);
+
 /* Finds pieces whose error may exceed the distance to a level, and the worst place of each, `most` at most. Returns their
  * number. */
 int td_find_approaches(const td_visit *v, td_approach *found, int most);

@@ -1,11 +1,27 @@
 /* Finds doubts: places where a pixel's model doesn't decide whether a level is reached. They are near turns, between turns, at
  * kinks, and within swaps of depth. */
+#include "signal/td_model_error.h"
 #include "td_extremes.h"
 #include "td_math.h"
 #include "solver/td_visit.h"
 
 #include <math.h>
 #include <string.h>
+
+/* Error of a value that is looked up, by its splats' paths (TD_POINT_PATH_TARGET) [log units]. */
+static const double path_error = 5e-7;
+
+/* Accuracy of references that are taken from the signal [thresholds]: a smaller error has no effect on later events. */
+static const double enough_of_threshold = 1e-7;
+
+int td_is_known(const td_visit *v, int n) {
+    int touches;
+    const td_change *change = &v->changes.change[n];
+    const td_worth *at = &v->worth[n];
+    if (!(change->s > 0 && change->s < 1) || at->error <= v->model.floor) return 1;
+    if (change->polarity == 0) return at->error <= enough_of_threshold * td_sensor_least_threshold(&v->s->sensor.sensor);
+    return td_timing_reach(at->slope, at->bend, at->error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
+}
 
 /* 1 where a refractory period is on at s, after n changes. */
 static int is_held_at(const td_visit *v, int n, double s) {
@@ -26,19 +42,25 @@ double td_left_at(const td_visit *v, int n, double s, double S) {
 /* Excess of an approach's doubt over the distance to the level. */
 static double excess_of(const td_visit *v, const td_approach *at) { return at->doubt + v->model.floor - at->left; }
 
-/* The polarity of the change that follows the first n changes, if it lies within piece k and at most an eighth of it after s,
- * else 0. The signal may have reached that level further before, and left it again. Before anything is looked up,
- * the whole piece counts: the look at the change itself tells more. */
+/* A crossing is flat where the signal's slope there is less than this share of its mean slope on the way to it. */
+static const double flat = 0.5;
+
+/* The polarity of the change that follows the first n changes, if its level doesn't count as a doubt at s of piece k, where the
+ * signal has `left` to it; else 0. It doesn't count while the crossing is to be looked up by itself, nor within an eighth of a
+ * piece before it, nor where the crossing is flat: a background that comes back stays at its level. Further before a crossing
+ * that is known, the signal may have passed the level and come back. */
 static int next_polarity(const td_visit *v, int k, int n, double s) {
     const td_change *next = &v->changes.change[n];
     const td_pieces *pieces = &v->model.pieces;
     if (n >= v->changes.count || next->s > pieces->from[k + 1]) return 0;
     const double near = 0.125 * (pieces->from[k + 1] - pieces->from[k]);
-    return pieces->count == 1 || next->s - s <= near ? next->polarity : 0;
+    const double left = fabs(td_model_value(&pieces->model[k], td_pieces_place(pieces, k, next->s)) -
+                             td_model_value(&pieces->model[k], td_pieces_place(pieces, k, s)));
+    const int is_flat = v->worth[n].slope * (next->s - s) < flat * left;
+    return pieces->count == 1 || next->s - s <= near || is_flat || !td_is_known(v, n) ? next->polarity : 0;
 }
 
-/* The approach at u of piece k. If the model reaches a level just after, that level doesn't count: the crossing itself is
- * looked up. */
+/* The approach at u of piece k, to the levels that count there. */
 static td_approach approach_at(const td_visit *v, int k, double u) {
     const td_sensor *sensor = &v->s->sensor;
     const td_pieces *pieces = &v->model.pieces;
@@ -114,7 +136,8 @@ static double beyond_at(const td_visit *v, int k, double s) {
     if (n == 0 || v->changes.change[n - 1].polarity == 0 || v->changes.change[n - 1].s < pieces->from[k]) return INFINITY;
     const double residual = td_model_value(&pieces->model[k], td_pieces_place(pieces, k, s)) - td_reference_after(v, n);
     const double beyond = residual * v->changes.change[n - 1].polarity;
-    const double known = td_greater(k == 0 ? v->model.start : 0, k + 1 == pieces->count ? v->model.end : 0);
+    const double ends = td_greater(k == 0 ? v->model.start : 0, k + 1 == pieces->count ? v->model.end : 0);
+    const double known = td_greater(ends, path_error);
     return beyond > known + v->model.floor ? beyond : INFINITY; /* rounding puts a signal at rest on either side */
 }
 
@@ -174,8 +197,7 @@ void td_find_swapped(td_visit *v) {
     }
     for (int k = 0; k < pieces->count; k++) {
         const double *b = pieces->model[k].control;
-        v->model.swapped[k] =
-            sqrt(v->model.swapped[k]) / td_renderer_swap_scale(v->s->renderer, td_exp(td_lesser(b[0], b[3])));
+        v->model.swapped[k] = sqrt(v->model.swapped[k]) / td_renderer_swap_scale(v->s->renderer, td_exp(td_lesser(b[0], b[3])));
     }
 }
 

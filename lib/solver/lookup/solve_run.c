@@ -12,9 +12,6 @@
  * in which a kink may be. A pixel that isn't settled then is reported as it stands. */
 enum { MOST_LOOKS = 10, FIND_BY_PLACE = 2 };
 
-/* Accuracy of references that are taken from the signal [thresholds]: a smaller error has no effect on later events. */
-static const double enough_of_threshold = 1e-7;
-
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
 /* The pixel's state as one number. For an ideal pixel it is made of the event counts, from which the rest follows. */
@@ -90,16 +87,6 @@ static void weigh(td_visit *v) {
     }
 }
 
-/* 1 where change n is as accurate as required. */
-static int is_good(const td_visit *v, int n) {
-    int touches;
-    const td_change *change = &v->changes.change[n];
-    const td_worth *at = &v->worth[n];
-    if (!(change->s > 0 && change->s < 1) || at->error <= v->model.floor) return 1;
-    if (change->polarity == 0) return at->error <= enough_of_threshold * td_sensor_least_threshold(&v->s->sensor.sensor);
-    return td_timing_reach(at->slope, at->bend, at->error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
-}
-
 /* Distance of the signal from its levels at s, an end of the step; infinite for a pixel in a hold. *residual is its distance
  * from the reference. Changes at the very start happen after that. */
 static double left_at(const td_visit *v, double s, double *residual) {
@@ -165,12 +152,12 @@ static tides_status judge(td_visit *v, int *asked, int *doubts, tides_error *err
     const td_solve_batch *batch = v->portion->solve.asks;
     const size_t before = batch->points;
     const int may_ask = v->looked->looks < MOST_LOOKS;
+    weigh(v);
     const int count = td_find_approaches(v, near, MOST_APPROACHES);
     tides_status status = may_ask ? ask_ends(v, error) : TIDES_OK;
     *doubts = 0;
-    weigh(v);
     for (int k = 0; k < v->changes.count && status == TIDES_OK && may_ask; k++)
-        if (!is_good(v, k)) status = ask_change(v, k, error);
+        if (!td_is_known(v, k)) status = ask_change(v, k, error);
     for (int k = 0; k < count && status == TIDES_OK; k++) {
         if (may_ask && near[k].doubt > v->model.floor)
             status = ask(v, near[k].s, error);
