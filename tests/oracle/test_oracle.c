@@ -88,13 +88,13 @@ static void test_few_are_lost(void **state) {
     assert_true(uncertain <= UNCERTAIN_EACH * wrong + 1e-6 * MOST_UNCERTAIN * events);
 }
 
-/* Scenes that failed once. Swaps within one body that a turning camera makes (one late event each, not counted as uncertain).
- * Many swaps in steps as short as min_step_s, in which no sample showed that a level was near (events 570 and 281 ns late, with a
- * reported p99 of 4 ns). Swaps of splats that keyframes move (a wrong pixel each, not counted). A cubic that passed a level
+/* Scenes that failed once. Swaps within one body that a turning camera makes: one late event each, not counted as uncertain.
+ * Many swaps in steps as short as min_step_s, in which no sample showed that a level was near: events 570 and 281 ns late, with
+ * a reported p99 of 4 ns. Swaps of splats that keyframes move: a wrong pixel each, not counted. A cubic that passed a level
  * beyond a clamp of colour, where its tangents met beside its end (lamps 205). A swap that hid a turn after a look in either
- * half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights 403). At srgb, a splat
- * that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it again, where the event
- * was found 0.4 ms late (fade 301). */
+ * half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights 403). At
+ * srgb, a splat that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it again,
+ * where the event was found 0.4 ms late (fade 301). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;

@@ -156,7 +156,8 @@ static double overshot(const td_model *model, double tip, double u) {
 }
 
 /* Looks at a kink between two straight parts of the signal: it is where the tangents at the piece's ends meet. The cubic may
- * turn before it gets there. If the kink is near an end, the cubic turns beyond it, and may pass a level that no part passes. */
+ * turn before it gets there. If the kink is near an end, the cubic turns beyond it, and may pass a level that no part
+ * passes. */
 static void look_at_kink(const td_visit *v, int k, const double *turn, int turns, td_approach *worst) {
     const td_pieces *pieces = &v->model.pieces;
     const td_model *model = &pieces->model[k];
@@ -179,7 +180,7 @@ static void look_at_kink(const td_visit *v, int k, const double *turn, int turns
     }
 }
 
-/* What swaps of depth may hide within each piece: of each what the piece's length leaves unseen (td_solve_swap_unseen). */
+/* Finds what swaps of depth may hide within each piece: their unseen light where looks are a piece apart, as log_luminance. */
 void td_find_swapped(td_visit *v) {
     const td_refine_step *step = &v->s->refine.step[v->looked->step];
     const td_pieces *pieces = &v->model.pieces;
