@@ -32,13 +32,13 @@ void td_steady_begin(td_sensor *sensor) {
     enum { PARTS = 16 };
     const double dz = 1.0 / (TD_PASSAGES_PER_SIGMA * PARTS);
     double time = 0;
-    sensor->first.passage[0] = INFINITY;
+    sensor->first.log_passage[0] = INFINITY;
     for (int k = 1; k < TD_PASSAGES; k++) {
         for (int j = 0; j < PARTS; j++) {
             const double z = ((k - 1) * PARTS + j + 0.5) * dz;
             time += dz * time_per_sigma(z);
         }
-        sensor->first.passage[k] = 1 / time;
+        sensor->first.log_passage[k] = -td_ln(time);
     }
 }
 
@@ -48,7 +48,8 @@ static double hazard_at(const td_sensor *sensor, double u) {
     const double nearest = 0.5, place = fmax(u, nearest) * TD_PASSAGES_PER_SIGMA;
     if (!(place < TD_PASSAGES - 1)) return 0;
     const int k = (int)place;
-    return sensor->first.passage[k] * td_pow(sensor->first.passage[k + 1] / sensor->first.passage[k], place - k);
+    const double *log_h = sensor->first.log_passage + k;
+    return td_exp(log_h[0] + (place - k) * (log_h[1] - log_h[0]));
 }
 
 /* -- slow events ----------------------------------------------------------------------------------------------------------- */
@@ -57,7 +58,8 @@ typedef struct pixel {
     const td_sensor *sensor;
     double on, off, leak, held; /* [ns] */
     double sigma, tau;
-    double o, age; /* mean above the reference [log units]; time since the last event [ns] */
+    td_noise_move hold; /* of the noise through a hold */
+    double o, age;      /* mean above the reference [log units]; time since the last event [ns] */
     uint32_t number;
     uint64_t drawn;
 } pixel;
@@ -67,9 +69,7 @@ static td_random_bits draw(pixel *p) { return td_random(p->sensor->sensor.seed, 
 static int holds(const pixel *p) { return p->held > 0 && p->sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD; }
 
 /* The reference after a hold: the noise, which was `n` when the pixel fired, as it is at the end of the refractory period. */
-static void hold(pixel *p, double n, double normal) {
-    p->o = -td_noise_moved(td_noise_move_of(p->sigma, p->held / p->tau), n, normal);
-}
+static void hold(pixel *p, double n, double normal) { p->o = -td_noise_moved(p->hold, n, normal); }
 
 /* An event: kind 1 ON, -1 OFF, 0 shot noise or a hot pixel, which re-references. */
 static void take(pixel *p, int kind) {
@@ -181,6 +181,7 @@ td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate) {
     p.tau = noise->varies ? at.tau_ns : td_additive_noise_tau(noise);
     p.o = sensor->first.draw[i] * (p.on + p.off) - p.off;
     if (!(p.sigma > 0)) return (td_initial){p.o, 0, 0};
+    p.hold = td_noise_move_of(p.sigma, p.held / p.tau);
     const double now = td_sensor_noise_at(sensor, i, 0);
     pass_slowly(&p, rate);
     const double held = follow_path(&p, now, at.begin, p.tau / 8);

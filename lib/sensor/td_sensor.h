@@ -109,8 +109,8 @@ typedef struct td_sensor {
     unsigned char *reach; /* 1: may have fired in this macro step, for estimates */
     uint64_t maps_checksum; /* of the file of maps; 0: there was none */
     struct {
-        double *draw;                /* (count) in (0, 1): places the first reference between the levels; NULL: at the signal */
-        double passage[TD_PASSAGES]; /* hazards h(u) of additive noise, for `draw` */
+        double *draw; /* (count) in (0, 1): places the first reference between the levels; NULL: at the signal */
+        double log_passage[TD_PASSAGES]; /* logarithms of hazards h(u) of additive noise, for `draw` */
     } first;
     td_frontend frontend;
     struct {

@@ -23,7 +23,7 @@
  * `rate` [1/ns]. */
 td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate);
 
-/* Fills sensor->passage, the table of h(u). */
+/* Fills sensor->first.log_passage, the table of ln h(u). */
 void td_steady_begin(td_sensor *sensor);
 
 #endif
