@@ -1,5 +1,6 @@
 /* How far a run of a batch has come, by the files in its folder: result.json of a finished run, failure.json of a failed one.
- * The folder is DIR/NAME: the batch's folder, and the run's name. */
+ * The folder is DIR/NAME: the batch's folder, and the run's name. Both files carry the hash of the run and its inputs; a file
+ * with another hash is of other values or inputs, and doesn't count. */
 #include "batch.h"
 
 #include <stdlib.h>
@@ -89,7 +90,7 @@ static tides_status look(batch_run *run, tides_error *error) {
 
 tides_status batch_look(batch *b, tides_error *error) {
     tides_status status = TIDES_OK;
-    for (size_t i = 0; status == TIDES_OK && i < b->count; i++) /* others have failed: no inputs */
+    for (size_t i = 0; status == TIDES_OK && i < b->count; i++) /* a run without its inputs has failed already */
         if (b->runs[i].state == BATCH_WAITING) status = look(&b->runs[i], error);
     return status;
 }

@@ -7,7 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* More runs in a folder aren't usable: so large a grid is a mistake. */
+/* RUNS_MAX: a folder with more runs isn't usable, so a larger grid is taken for a mistake. NAME_MAX_LENGTH [bytes]: of a run's
+ * name, which is its folder's too; file systems allow 255. */
 enum { RUNS_MAX = 100000, NAME_MAX_LENGTH = 120 };
 
 static tides_status wrong(const batch *b, tides_error *error, const char *what, const char *name) {
@@ -68,8 +69,9 @@ static tides_status add_sets(batch_run *run, const cJSON *common, const cJSON *o
 }
 
 /* A run's name, "sensor.threshold_on=0.1,seed=2", made of the keys that it sets, so that names stay when a grid grows.
- * Characters that can't be in a file's name become '-', and '_' at the beginning: no hidden folder, no option. Where names
- * become ambiguous by that or too long, a hash is added. */
+ * Characters that can't be in a file's name become '-', and '_' at the beginning. '.' and '-' at the beginning become '_', too:
+ * they would make a hidden folder, or an option. A hash is added where a character was replaced, or the name was cut. The last
+ * 20 bytes of NAME_MAX_LENGTH are left for the hash, which takes 9. */
 static char *grid_name(const batch_run *run, size_t first) {
     char name[NAME_MAX_LENGTH + 1];
     size_t used = 0;
@@ -99,7 +101,7 @@ static int32_t is_name(const char *name) {
     return 1;
 }
 
-/* Makes room for a run, zeroed. It counts once it is complete, and is freed with the others. */
+/* Makes room for a run, zeroed. It counts at once, so that batch_free frees it even if it stays incomplete. */
 static batch_run *next_run(batch *b, tides_error *error) {
     if (b->count == RUNS_MAX) {
         cli_error(error, TIDES_BAD_CONFIG, "%s: over %d runs; split the manifest", b->manifest, RUNS_MAX);

@@ -1,5 +1,5 @@
 /* The table of a batch: a row per run. It doesn't depend on the machine's speed, or on how often the batch was interrupted, so
- * that two batches can be compared file by file. Times are in each run's stats.json. */
+ * that two batches can be compared file by file. Run times are in each run's stats.json. */
 #include "batch.h"
 
 #include <stdio.h>
@@ -10,9 +10,9 @@ static const char *const columns[] = {"events", "events_on", "events_off", "even
                                       "height", "seed",      "device"};
 enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
-/* The result of a finished run, else the description of what was asked for. */
+/* The row of a run: result.json if the run is done, else the name, hash, run file and settings that the manifest gave it. */
 static cJSON *row_of(const batch_run *run) {
-    static const char *const states[] = {"waiting", "waiting", "done", "failed"};
+    static const char *const states[] = {"waiting", "waiting", "done", "failed"}; /* BATCH_WAITING, _RUNNING, _DONE, _FAILED */
     char *path = batch_text("%s/result.json", run->directory);
     cJSON *row = run->state == BATCH_DONE && path ? batch_read_json(path) : NULL;
     free(path);
@@ -57,7 +57,7 @@ static cJSON *keys_of(const cJSON *runs) {
     const cJSON *row, *set;
     cJSON_ArrayForEach(row, runs) {
         cJSON_ArrayForEach(set, cJSON_GetObjectItemCaseSensitive(row, "set")) {
-            char key[96];
+            char key[96]; /* longer than any key of the run file */
             snprintf(key, sizeof key, "%.*s", (int)strcspn(set->valuestring, "="), set->valuestring);
             if (!cJSON_HasObjectItem(keys, key)) cJSON_AddNullToObject(keys, key);
         }
@@ -65,7 +65,8 @@ static cJSON *keys_of(const cJSON *runs) {
     return keys;
 }
 
-/* Prints the value that a run sets a key to: the last one, or nothing. */
+/* Prints the value of `key` in `sets`, a run's list of "key=value". If the list has the key twice, the last one holds; if it
+ * doesn't have the key, the field is empty. */
 static void put_value(FILE *file, const cJSON *sets, const char *key) {
     const cJSON *set, *found = NULL;
     const size_t length = strlen(key);

@@ -1,5 +1,5 @@
-/* tides bench accuracy: run time against the error of event times, for several methods, each against the exact events of its
- * image. */
+/* tides bench accuracy: run time and error of event times, for several methods at several settings. Errors are differences from
+ * the exact events of the image that the method renders (smooth or inria rules). */
 #include "bench.h"
 
 #include <math.h>
@@ -10,19 +10,25 @@
 enum { SETTINGS_MAX = 10 };
 enum { RATE = 0, TOLERANCE = 1, TIME_TOLERANCE = 2, LONGEST_STEP = 3 }; /* meaning of a setting */
 
-/* A method; its settings end with 0, and --quick uses others. Equal steps render whole frames (local = 0), as simulators do
- * that difference frames. */
+/* A method; its settings end with 0, and --quick uses others. Methods with equal steps have local = 0: they render whole
+ * frames, like simulators that compare successive frames. */
 typedef struct method {
     const char *name;
     int32_t rules, mode, model, local, unit;
     double settings[SETTINGS_MAX], quick[SETTINGS_MAX];
-    int32_t parts; /* BENCH_SOLVED and others */
+    int32_t parts; /* parts of the solver that are on: BENCH_SOLVED (look-ups), BENCH_BLOCKS (steps by block) */
 } method;
 
-/* `error` is the cubic alone between renders of whole tiles. `solved` looks its events up in the image, `blocks` refines by 4x4
- * pixels, and `together` does both. `default` is the library's default: events looked up, and blocks.
+/* `esim`, `quadratic` and `hermite` take equal steps; the signal on a step is a line, a parabola or a cubic. `esim_inria` is
+ * `esim` on the image of the inria rules.
  *
- * `risk` is the paper's score: its setting is the longest step, of which each tile takes the share kappa of its risk. */
+ * `error` limits the error of the cubic between a tile's renders, and looks nothing up. `error_time` limits the error of event
+ * times instead, and `error_global` has the same steps for all tiles. `solved` is `error` with events looked up in the image,
+ * `blocks` is `error` with steps for blocks of 4x4 pixels, and `together` has both. `default` is `together` at the library's
+ * default tolerance.
+ *
+ * `risk` chooses steps by the paper's risk score r. Its setting is the longest step. A tile's step is the share kappa(r) of
+ * it, from 1 at r = 0 down to 1/32 at r = 1. */
 /* clang-format off */
 static const method methods[] = {
     {"esim",         TIDES_RULES_SMOOTH, TIDES_STEPPING_FIXED, TIDES_MODEL_SECANT,    0, RATE,
@@ -55,7 +61,8 @@ enum { METHODS = sizeof methods / sizeof methods[0] };
 
 static const char *const unit_names[] = {"frames/s", "tolerance", "s", "s at most"};
 
-/* Sets every field that matters, so that the benchmark keeps its meaning when the library's defaults change. */
+/* Sets every field that matters, so that the benchmark keeps its meaning when the library's defaults change. The shortest
+ * step is the present default. */
 static tides_stepping stepping_of(const method *m, const bench_scene *scene, double setting) {
     tides_stepping s;
     tides_stepping_defaults(&s);
@@ -71,7 +78,7 @@ static tides_stepping stepping_of(const method *m, const bench_scene *scene, dou
 }
 
 /* One pass over all settings. The methods take turns, so that other load of the machine affects all alike. `first` is the row
- * of the scene's first result; on the second pass the rows exist. */
+ * of the scene's first result. The second pass (`again`) repeats short runs of the same rows, for the least run time. */
 static tides_status pass(bench *b, const bench_scene *scene, bench_rows *rows, size_t first, int32_t again,
                          tides_error *error) {
     size_t at = first;
@@ -108,7 +115,7 @@ static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error 
     return TIDES_OK;
 }
 
-/* Prints one table: what each scene needs. */
+/* Prints for each scene the run time and the renders that each method needs for a given error of event times. */
 static void print_summary(const bench_rows *rows) {
     for (size_t i = 0; i < rows->count; i++)
         if (i == 0 || strcmp(rows->rows[i].scene, rows->rows[i - 1].scene) != 0)

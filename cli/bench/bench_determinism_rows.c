@@ -15,6 +15,7 @@
     "frontend.psf_sigma_px=0.7", "frontend.photoreceptor_cutoff_hz=200", "frontend.noise_rms=0.02", \
         "frontend.noise_cutoff_hz=300"
 
+/* Name, sentence, keys. The last number is 1 for a method that differences frames: its runs can't be cut. */
 const determinism_run determinism_runs[] =
     {{"fixed", "equal steps", {"stepping.mode=fixed"}, 0},
      {"default", "steps under error control, events looked up", {NULL}, 0},
@@ -40,7 +41,8 @@ const determinism_run determinism_runs[] =
 /* reference-f32, the kernels' arithmetic in scalar C, is among the ways because it must equal the device to the bit.
  * The device "reference" computes in double and gives other events, so it isn't among them.
  *
- * THREADS, HOST and METHOD make a way's environment variables with their values. */
+ * THREADS, HOST and METHOD make a way's environment variables with their values. A way with .pocl is for PoCL alone, .units are
+ * the compute units that the device must then report, and .own_kernels asks for an empty kernel cache. */
 #define THREADS(count) \
     .variable = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"}, .value = {#count, #count}, .units = count, .pocl = 1
 #define HOST(count) .variable = {"TIDES_THREADS"}, .value = {#count}
@@ -89,8 +91,8 @@ const char *const *determinism_names(void) {
     return names;
 }
 
-/* Keys that make the demo's world smaller and shorter. A run still has 15 macro steps (8 with --quick), so that it can be cut
- * between them. */
+/* Keys that make the world of `tides demo` smaller and shorter. A run still has 15 macro steps (8 with --quick), so that it can
+ * be cut between them. */
 static const char *const full_world[] = {"camera.width=96", "camera.height=72",      "camera.fx=84",
                                          "camera.fy=84",    "camera.cx=48",          "camera.cy=36",
                                          "time.stop=0.06",  "stepping.step_s=0.004", NULL};

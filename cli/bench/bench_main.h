@@ -1,10 +1,11 @@
-/* A program of benchmarks, by a table of them. */
+/* The main function of a program whose benchmarks are listed in a table. */
 #ifndef CLI_BENCH_MAIN_H
 #define CLI_BENCH_MAIN_H
 
 #include "bench.h"
 
-/* A benchmark. One with own_devices opens devices itself and has rows; others have scenes: built-in ones, or files. */
+/* A benchmark. With own_devices it opens devices itself, and --row chooses rows of its table of results. Without, it gets an
+ * open device, and --scene chooses among built-in scenes and .ply files. */
 typedef struct bench_entry {
     const char *name, *sentence; /* the sentence is for the page of results */
     tides_status (*run)(bench *b, const cli_list *names, tides_error *error);

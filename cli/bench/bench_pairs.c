@@ -1,10 +1,13 @@
-/* Runs with settings against runs without, in turns, for bench blocks and bench sensors. */
+/* Cost of run-file settings, for tides bench blocks and tides bench sensors. A case is a list of such settings, and the plan's
+ * cases[0] is the base. A pair is a run of the base and, right after it, a run of a case. */
 #include "bench.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* Rounds of one pair for each case. PAIRS_QUICK: all rounds with --quick. PAIRS_LEAST: rounds that each case gets even if its
+ * pairs already took longer than the plan's limit. */
 enum { PAIRS_QUICK = 3, PAIRS_LEAST = 2 };
 
 /* Applies a case's settings to the scene. */

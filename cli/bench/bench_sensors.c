@@ -1,5 +1,6 @@
-/* tides bench sensors: run time with presets of real sensors against the ideal one, in the first 50 ms of the demo's world,
- * with the run file's default stepping. Unlike in bench blocks, steps are those that each sensor needs. */
+/* tides bench sensors: run time with presets of real sensors over that with the ideal one, with the run file's default
+ * stepping. The scene is the first 50 ms of the demo's world, or scenes that the user names. Step control chooses the steps
+ * for each sensor, so that sensors may differ in renders too (`tides bench blocks` has equal steps for all). */
 #include "bench.h"
 #include "bench_worlds.h"
 
@@ -11,8 +12,9 @@
 #define LENGTH_QUICK_S 0.003
 #define LOG_EPS 0.01 /* that of the demo's run */
 
-/* The sensors. Presets have the readout of their chips, and a DAVIS the filter that libcaer turns on by default. Noise and
- * surround have the sizes of bench blocks. */
+/* The sensors. Ratios are over the first one, `ideal`. Presets of chips run with the readout of their chip. A DAVIS also has
+ * the background activity filter of 2 ms: its driver, libcaer, turns the filter on by default. The rows of group "front end"
+ * have one block each, at the size that `tides bench blocks` uses too. */
 #define WITH_READOUT(name, ...)                                                        \
     {                                                                                  \
         name, "preset", { "sensor.preset=" name, "readout.enabled=true", __VA_ARGS__ } \
@@ -81,6 +83,7 @@ static void print_table(const bench_cost *costs, size_t count) {
 static tides_status measure_scene(bench *b, const char *name, bench_cost *costs, cJSON *header, tides_error *error) {
     bench_scene scene = {.scene = NULL};
     bench_pairs *p = calloc(SENSORS, sizeof *p);
+    /* A sensor gets no more runs after 40 s of them (0.5 s with --quick), but at least two with their reference runs. */
     bench_plan plan = {sensors, SENSORS, 40, 0.5, {0}};
     tides_stepping_defaults(&plan.stepping);
     tides_status status = p ? make_scene(b, name, &scene, error) : cli_error(error, TIDES_NO_MEMORY, "out of memory: results");

@@ -1,11 +1,13 @@
-/* Conditions that a scene's rows must meet on any machine: estimates that hold, streams that agree, pixels within their
- * thresholds, and an exact stream that is accurate enough for all this. */
+/* Conditions that the results of a scene must meet on any machine; a row of the results is one measured run. Measured errors
+ * don't exceed the run's own estimates. Few events have no counterpart in the exact stream, whose steps are halved until
+ * its events no longer move, or to a limit. Pixels end within their thresholds. The exact stream's own error is small against
+ * the errors measured with it. */
 #include "bench.h"
 
 #include <math.h>
 #include <string.h>
 
-/* [us] Errors up to the unit of event times count as none. */
+/* [us] Errors up to 1 ns, the unit of event times, count as none. */
 #define UNIT_US 1e-3
 
 const char *bench_rules_name(int32_t rules) { return rules == TIDES_RULES_INRIA ? "inria" : "smooth"; }
@@ -19,6 +21,8 @@ int32_t bench_is_honest(const bench_row *row) {
            holds(s->error_p99_s, row->match.dt_p99_us);
 }
 
+/* Error of the exact stream over the error of a run. `moved_us` is the time by which the last halving of the exact stream's
+ * steps moved its events. */
 static double share(double moved_us, double measured_us) { return moved_us <= UNIT_US ? 0 : moved_us / measured_us; }
 
 double bench_exact_share(const tides_exact *truth, const tides_match *match) {
@@ -48,6 +52,8 @@ bench_verdict bench_judge(const bench_rows *rows, const char *scene) {
     return v;
 }
 
+/* Prints the percentage of events without a counterpart in the exact stream. `of` is the run's method: "the default" looks
+ * events up, "the cubic alone" takes them from the models between renders. */
 static void print_mismatch(const char *scene, const char *of, double tolerance, double percent, FILE *out) {
     if (isnan(percent)) return;
     fprintf(out, "%-13s mismatch: %.3g %% of %s at tolerance %g, at most %g %% asked: %s\n", scene, percent, of, tolerance,

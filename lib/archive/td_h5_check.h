@@ -1,6 +1,6 @@
-/* Internal: checks parts of an HDF5 file before HDF5 (1.10.8) reads them, because HDF5 trusts the numbers in them. The file
- * driver calls these for each local heap, tree or object header. HDF5 checks the other parts itself, or damage to them did no
- * harm (tests/property/test_hdf5_mutations.c). */
+/* Internal: checks parts of an HDF5 file before HDF5 (1.10.8) reads them, because HDF5 trusts the numbers in them. HDF5
+ * reads every byte through our file driver (h5_driver.c). The driver calls the functions below for each local heap, node of a
+ * B-tree and object header. Damage to other parts is found by HDF5, or did no harm in tests/property/test_hdf5_mutations.c. */
 #ifndef TD_H5_CHECK_H
 #define TD_H5_CHECK_H
 

@@ -271,7 +271,7 @@ static int try_part(const char *part, const char *path) {
     if (strcmp(part, path) == 0) return access(path, W_OK) == 0 ? 0 : errno;
     int made = open(part, O_WRONLY | O_CREAT | O_EXCL, 0666);
     if (made >= 0) {
-        /* otherwise another run has begun to write the file */
+        /* a lock that fails, or a different file there: another run has begun to write it, and it stays */
         if (td_lock_alone(made) == 0 && is_still_at(made, part)) unlink(part);
         close(made);
         return 0;

@@ -11,11 +11,11 @@ typedef struct td_folder {
 } td_folder;
 
 /* Appends the entries of folder `path` whose name ends in `ending` (such as ".png", in any case) and doesn't begin with a
- * dot. Appends none if the folder can't be read. Call td_folder_free after a failure, too. */
+ * dot, then sorts the list. A folder that can't be read counts as empty. Call td_folder_free after a failure, too. */
 tides_status td_folder_list(td_folder *folder, const char *path, const char *ending, tides_error *error);
 void td_folder_free(td_folder *folder);
 
-/* Appends "path/name". */
+/* Appends "path/name" at the end, without sorting. */
 tides_status td_folder_add(td_folder *folder, const char *path, const char *name, tides_error *error);
 
 /* 1 if the name is longer than `ending` and ends in it, in any case. */

@@ -1,6 +1,10 @@
 /* Removes the bias of the calibration's method. The recording's light goes through TIDES' own pixels with the values found, and
  * their events are measured in the same way. The difference between values put in and values measured is the method's bias, and
- * is subtracted. A simulation scatters as the recording does, so that the bias is the mean of several. */
+ * is subtracted. The values of one simulation have random errors, as those of the recording do. Therefore the bias is averaged
+ * over several simulations, the rounds.
+ *
+ * A start is the distribution of the pixels' references when the recording begins: TIDES_INITIAL_REST, _RANDOM or _STEADY (as
+ * leak and noise leave it). Each round has another start, and the round most like the recording tells the recording's start. */
 #include "td_calibrate.h"
 
 #include <math.h>
@@ -8,8 +12,8 @@
 #include <string.h>
 
 enum {
-    ROUNDS = 3,    /* TIDES_INITIAL_REST to STEADY */
-    RATE_BINS = 20 /* bins of the recording's rate for one of the rates compared: 5 ms */
+    ROUNDS = 3,    /* one simulation for each start: round i has the start whose TIDES_INITIAL_* is i */
+    RATE_BINS = 20 /* event rates are compared in intervals of this many bins of TD_BIN_S = 0.25 ms: 5 ms */
 };
 
 typedef struct simulated {
@@ -22,7 +26,8 @@ typedef struct simulated {
     tides_status status;
 } simulated;
 
-/* Keeps simulated events. Pixel number y * width + x of the light gets its own place in the image back. */
+/* Keeps simulated events. The simulated image is packed: its pixel number n = y * width + x has the light of the recording's
+ * pixel light->pixel[n]. The event gets the recording's x and y. */
 static int keep(void *user, const tides_event *events, size_t count) {
     simulated *s = user;
     td_taken *t = &s->taken;
@@ -44,18 +49,22 @@ static double known(double value) { return value == value && value > 0 ? value :
 static double pow2(double value) { return value * value; }
 static double hypot2(double x, double y) { return sqrt(x * x + y * y); }
 
-/* The leak of a steady start. A short recording's pixels at rest often tell no more than its bound, and the leak before the
- * recording show in the starts: so the start is tried with one sigma of it. */
+/* The leak of a steady start [1/s]. Pixels at rest in a short recording often give only an upper bound of the leak. A steady
+ * start is then simulated with the value plus one sigma, since leak before the recording has moved the references. */
 static double steady_leak(const tides_calibration *found) {
     const tides_calibrated *v = &found->values[TIDES_CALIBRATED_LEAK];
     return v->state == TIDES_CALIBRATED_BOUND ? known(v->value) + known(v->error) : known(v->value);
 }
 
-/* Each start is simulated once, for pairs of events don't see it. A steady one needs a leak. */
+/* The start of the present round. Thresholds are measured between two events of a pixel, where the start has no effect, so that
+ * each round may have another one. A steady start needs a leak; without one the round has a random start. */
 static int32_t start_of(const td_calibration *c, const tides_calibration *found) {
     return c->rounds == TIDES_INITIAL_STEADY && !(steady_leak(found) > 0) ? TIDES_INITIAL_RANDOM : c->rounds;
 }
 
+/* Sets the parameters of a simulation to the values found. If the spread of thresholds isn't known, a relative variance of
+ * 0.0075 is used: the mean for sensors with spreads of 0 to 15 %. No threshold is drawn below a tenth of the smaller mean,
+ * since it must be above 0. A pole below 1 us is taken as none. */
 static void describe(const td_calibration *c, const tides_calibration *found, tides_baseline_params *p) {
     const tides_calibrated *v = found->values;
     const double usual = TD_USUAL_VARIANCE * pow2(fmin(c->fit.on, c->fit.off));
@@ -76,7 +85,7 @@ static void describe(const td_calibration *c, const tides_calibration *found, ti
     p->sensor.photoreceptor_law = c->fit.front.law;
 }
 
-/* Pushes the light's samples as frames, with the pixels arranged as an image of an allowed width. */
+/* Pushes the light's samples as frames of the packed image. */
 static tides_status push_all(simulated *s, tides_baseline *baseline, double *Y, tides_error *error) {
     const td_light *light = &s->c->light;
     const double zero = 1e-9 * (double)s->taken.start_ns;
@@ -88,6 +97,7 @@ static tides_status push_all(simulated *s, tides_baseline *baseline, double *Y, 
     return status == TIDES_OK ? tides_baseline_finish(baseline, keep, s, error) : status;
 }
 
+/* Simulates the light's pixels, packed into rows of at most 4096: sides of an image are limited to 16384. */
 static tides_status run(simulated *s, const tides_calibration *found, tides_error *error) {
     const td_light *light = &s->c->light;
     const size_t width = light->count < 4096 ? light->count : 4096, height = (light->count + width - 1) / width;
@@ -113,7 +123,7 @@ static tides_status sort_out(simulated *s, tides_error *error) {
     return td_pairs_make(&s->taken, &s->c->light, &s->pairs, error);
 }
 
-/* -- rates of both, of the light's pixels ---------------------------------------------------------------------------------- */
+/* -- event rates of the light's pixels, in the recording and in the simulation --------------------------------------------- */
 
 static void count_rate(const td_taken *t, const td_light *light, double *rate) {
     for (size_t i = 0; i < light->count; i++)
@@ -141,7 +151,7 @@ static tides_status rates(const simulated *s, tides_calibration *found, tides_er
 
 /* -- rounds ---------------------------------------------------------------------------------------------------------------- */
 
-/* Sums over the rounds of measured to true thresholds, and of measured less true values. */
+/* Sums over the rounds: for thresholds the ratio of the measured to the simulated value, for others the difference. */
 typedef struct bias {
     double on, off, log_eps, pole_s, refractory_s, variance;
     int32_t of_variance; /* rounds that measured it */
@@ -155,12 +165,13 @@ static void add_round(td_calibration *c, const td_fit *again, const td_variance 
     b->pole_s += again->front.pole_s - f->pole_s;
     b->refractory_s += again->front.refractory_s - f->refractory_s;
     c->rounds++;
-    if (!spread->known || !(c->spread.error > 0)) return; /* 0: given */
+    if (!spread->known || !(c->spread.error > 0)) return; /* error 0: the user gave the spread, and it is not corrected */
     b->variance += spread->value - fmax(c->spread.value, 0);
     b->of_variance++;
 }
 
-/* c->fit and c->spread become what was measured of the recording, less the mean bias. */
+/* Sets c->fit and c->spread to the values measured in the recording (`target`, `spread`), less the mean bias of the rounds. The
+ * black level stays above 1e-6, the lower limit of its fit. */
 static void take_off(td_calibration *c, const td_fit *target, const td_variance *spread, const bias *b) {
     td_front *f = &c->fit.front;
     const double n = c->rounds;
@@ -179,7 +190,9 @@ static void note_starts(tides_calibration *found, int32_t row, const td_starts *
     found->starts[row][1] = starts->above;
 }
 
-/* Takes the start whose simulation is most like the recording. */
+/* Takes the start whose simulation is most like the recording, by the shares of pixels that began below and above their
+ * reference. found->starts has the recording in row 0 and start i in row 1 + i. If the start is steady and the leak was only
+ * bounded, the leak that was simulated becomes its value. */
 static void settle_start(tides_calibration *found, int32_t rounds) {
     double least = INFINITY;
     found->initial = -1;

@@ -1,7 +1,8 @@
 /* INRIA's cameras.json: a list of {id, img_name, width, height, position, rotation, fx, fy}. `position` is the camera's
- * centre; `rotation` is its camera-to-world matrix by rows, in OpenCV axes. The file has no times: poses are spread over
- * `duration` in the order of img_name, because with --eval the list has the test views first. It has no principal point:
- * INRIA's renderer takes the image's middle. Unknown keys are ignored. */
+ * centre; `rotation` is its camera-to-world matrix by rows, in OpenCV axes. The file has no times: poses are spread evenly
+ * over the option `duration`, in the order of img_name. The file's own order isn't that of the recording: INRIA's training with
+ * its flag --eval lists the test views first. The file has no principal point: INRIA's renderer takes the image's middle.
+ * Unknown keys are ignored. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"

@@ -5,7 +5,8 @@
 
 #include "tides/trajectory.h"
 
-/* T_B_C: p_body = rotation p_mounted + position. */
+/* The run file's T_B_C: coordinates in the mounted body, taken to those in its carrier, the body that it is mounted on.
+ * p_carrier = rotation p_mounted + position, with a row-major rotation. */
 typedef struct td_mount {
     double rotation[9], quaternion[4]; /* one rotation in both forms */
     double position[3];                /* [scene units] */
@@ -14,10 +15,11 @@ typedef struct td_mount {
 /* The identity: for a path that isn't mounted. */
 void td_mount_none(td_mount *mount);
 
-/* Composes: `mount` becomes (position, quaternion) on top of `under`. The quaternion has unit length. */
+/* Mounts a third body: (position, quaternion) is its pose in the body that `under` mounts. `mount` becomes its pose in the
+ * carrier of `under`, and may be `under` itself. The quaternion has unit length. */
 void td_mount_add(const td_mount *under, const double position[3], const double quaternion[4], td_mount *mount);
 
-/* Changes a pose or sample of the body to that of what is mounted on it. */
+/* Replaces a pose or sample of the carrier by the mounted body's at the same time. */
 void td_mount_pose(const td_mount *mount, tides_pose *pose);
 void td_mount_sample(const td_mount *mount, tides_pose_sample *sample);
 

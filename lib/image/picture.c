@@ -53,8 +53,9 @@ static uint32_t magnitude_bits(double value) {
 
 static int32_t counts(double value) { return isfinite(value) && isfinite((float)value); }
 
-/* Finds the next digit of a percentile. Among the finite values whose bits above `shift + 11` equal those of `known`, it is
- * the digit at `shift` of the one with `*rank` values below it. `*rank` becomes its rank among those with this digit. */
+/* Finds the next digit (11 bits from bit `shift` up) of a percentile whose higher bits are those of `known`. Only finite values
+ * with the same higher bits are candidates, and the percentile is the candidate of `*rank`, counted from 0 by magnitude.
+ * `*rank` becomes its rank among the candidates with the digit found. */
 static uint32_t next_digit(const double *values, size_t count, uint32_t known, int shift, size_t *rank) {
     size_t histogram[2048] = {0};
     for (size_t i = 0; i < count; i++) {
@@ -83,7 +84,7 @@ static double magnitude_percentile(const double *values, size_t count, double fr
 void tides_picture_signed(const double *values, int32_t width, int32_t height, double limit, uint8_t *rgb) {
     size_t pixels = pixels_of(width, height);
     if (!(limit > 0.0)) limit = magnitude_percentile(values, pixels, 0.995);
-    /* If less than a two-hundredth of an image moves, the percentile is 0: then only the sign is shown. */
+    /* If less than 0.5 % of the values differ from 0, the percentile is 0: then only the sign is shown. */
     for (size_t i = 0; i < pixels; i++) {
         double value = values[i];
         if (isnan(value))
@@ -108,8 +109,8 @@ static void count_events(const tides_event *events, size_t count, int32_t width,
     }
 }
 
-/* Greys stay between 120 and 180. A single event is darker than any of them, and many are brighter. So events differ from
- * their surroundings in lightness, and not in hue only. */
+/* Greys behind events stay between 120 and 180 of 255. A pixel with a single event is darker than any of these greys, and each
+ * further event makes it brighter. So most events differ from their surroundings in lightness too, not in hue alone. */
 enum { GREY = 140 }; /* of pixels without a value, or of all if there is no picture behind the events */
 static double dimmed_grey(double value) { return isnan(value) ? GREY : 120.0 + 60.0 / 255.0 * td_srgb(value); }
 

@@ -1,14 +1,17 @@
-/* ISI spike ratio (paper, Sec. 4.3): the fraction of intervals near zero or at multiples of a clock's period.
+/* ISI spike ratio (paper, Sec. 4.3): the fraction of inter-spike intervals near zero or at multiples of a clock's period. An
+ * interval is the time between successive events of a pixel.
  *
  * Near zero means at most 1 us. With a known clock, intervals within 1 us of a multiple of its period count. Without one,
- * spikes are searched in a histogram of intervals up to 50 ms, whose bins are ticks. A bin is a spike if it holds at least 8
- * (median + 1) intervals, where the median is over bins up to 50 ticks away. What it holds above the median counts. */
+ * spikes are searched in a histogram of intervals up to 50 ms. Its bins are as wide as a tick, the unit to which event times
+ * were rounded down, but at least 1 us. A bin is a spike if it holds at least 8 (m + 1) intervals, where m is the median of
+ * the bins up to 50 bins away. Of a spike, all intervals but m count. With these limits the ratio equals the golden values of
+ * tests/golden/test_metrics.c. */
 #include "td_metrics.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { REACH = 50, FACTOR = 8 }; /* bins to each side; factor above the median */
+enum { REACH = 50, FACTOR = 8 }; /* bins to each side of a bin for its median; least ratio of a spike to m + 1 */
 
 static const uint64_t near_ns = 1000, longest_ns = 50000000;
 
@@ -55,7 +58,7 @@ tides_status td_isi_spike(const uint64_t *intervals, size_t count, const tides_m
         if (bin < bins) histogram[bin]++;
         if (intervals[i] <= near_ns || (period_ns > 0 && on_clock(intervals[i], period_ns))) counted++;
     }
-    /* Bins that lie wholly near zero were counted already. */
+    /* The loop above counted the intervals near zero: bins centred there are left out. */
     if (!(period_ns > 0)) counted += spikes(histogram, bins, (size_t)(near_ns / tick + 1));
     free(histogram);
     *spike = counted / (double)count;

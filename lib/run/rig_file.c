@@ -1,6 +1,6 @@
-/* Reads rig.file, Kalibr's camchain.yaml, as rig.cameras: cam0, cam1 ... with lens, size and pose. Poses are in metres, so
- * scene.metres_per_unit is needed if any isn't 0. Values in rig.cameras for a camera of that name override the file's; a name
- * that isn't in the file is refused. */
+/* Reads rig.file, Kalibr's camchain.yaml, as rig.cameras: cam0, cam1 ... with lens, size and pose. The file's
+ * positions are in metres, so scene.metres_per_unit is needed if any camera is away from the body's origin. An entry of
+ * rig.cameras overrides values of the file's camera with the same name; a name that isn't in the file is refused. */
 #include "camera/td_camchain.h"
 #include "camera/td_lens_models.h"
 #include "td_kinds.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FILE_LIMIT = 1 << 20 };
+enum { FILE_LIMIT = 1 << 20 }; /* [bytes]; a chain of cameras takes a few KB */
 
 static int put_number(cJSON *object, const char *name, double value) {
     return cJSON_AddNumberToObject(object, name, value) != NULL;
@@ -110,7 +110,8 @@ static tides_status read_file(const tides_run *run, const char *file, td_camchai
     return status == TIDES_OK ? status : td_fail_within(error, status, "%s: rig.file", run->origin);
 }
 
-/* Replaces rig.cameras by the merged list, and keeps the old value for runs that vary this one. */
+/* Replaces rig.cameras by the merged list. run->beneath keeps the run's own value: tides_run_vary makes further runs from
+ * it, and their rig.file may be another. */
 static tides_status replace(tides_run *run, const cJSON *list, const char *where, tides_error *error) {
     const tides_param *row = td_param_find("rig.cameras");
     const size_t place = (size_t)(row - tides_params(NULL));

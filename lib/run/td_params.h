@@ -14,19 +14,21 @@ typedef struct td_param {
     size_t field;          /* offset in tides_run_values, or TD_NO_FIELD */
     const char *unit;      /* NULL: none */
     double lower, upper;
-    const char *fallback; /* default as JSON text, if it isn't the field's own; a text with NULL here is required */
-    const char *choices;
+    /* Default as JSON text. NULL: the default that td_run_values_defaults sets in the field; a text must then be given. */
+    const char *fallback;
+    const char *choices;      /* "smooth|inria|gsplat", or NULL */
     const int32_t *constants; /* values of the choices, unless these are 0, 1, 2 ... */
-    const char *ideal;        /* value for an ideal pixel, unless the user sets another; NULL: not set */
+    const char *ideal;        /* value for pixels without noise, filters or delays, unless the user sets it; NULL: none */
     int32_t common;           /* 1: one of the few keys that most runs set */
-    int32_t no_event; /* 1: doesn't change events, so parts of one run may differ in it; otherwise a checkpoint refuses that */
+    /* 1: events don't depend on it, so a run may continue from a checkpoint with another value. 0: that is refused. */
+    int32_t no_event;
     const char *sentence;
 } td_param;
 
 extern const td_param td_params[];
 extern const size_t td_params_count;
 
-/* Longest default made from a field, as JSON text. */
+/* Bytes of the longest default that is made from a field, as JSON text with its closing 0. */
 enum { TD_DEFAULT_MAX = 96 };
 
 /* Formats a number as JSON, with the fewest digits that distinguish it from all others, and with a point or an exponent. */

@@ -1,7 +1,11 @@
 /* One pixel over one step: crossings, ends of refractory periods, noise and mask, in time order.
  *
- * The walk goes from one s in the step to the next. Held and masked parts are passed over, each in its own way. Between them,
- * the first crossing fires, or the next noise event if that comes first. */
+ * The place in the step is s: 0 at its start, 1 at its end, and 2 for "not in this step". A pixel is held during its refractory
+ * period, and masked where it isn't visible. The walk passes over held and masked parts, each in its own way. Between them, the
+ * first crossing fires, or the next noise event if that comes first.
+ *
+ * The response is the signal on the step with the leak's ramp: a cubic, and modes, the exponential decays of the front end.
+ * Additive noise and kicks come on top. A kick is the jump of a row's signal when the sensor reads the row for a frame. */
 #include "td_pixel.h"
 #include "td_extremes.h"
 #include "td_half.h"
@@ -18,15 +22,15 @@ typedef struct walk {
     double on, off, initial, reference;
     uint32_t count_on, count_off;
     int32_t fired;   /* in this step */
-    int32_t crossed; /* of these, the response's crossings: bound by max_events_per_step */
-    int cut;         /* 1: there were more */
+    int32_t crossed; /* of these, crossings, not noise events: at most max_events_per_step */
+    int cut;         /* 1: there were more crossings than that */
     double s;
     td_noise_segment segment; /* additive noise: the segment that contains the walk's s */
     td_noise_path path;
-    double segment_until; /* its end in s, or the row's next read if that is earlier */
-    double noise_until, kick_until;
-    double kick, kick_rate, kick_ns; /* kicks: their sum is kick e^(-kick_rate s); the next read [ns] */
-    double low, high;                /* bounds of the pixel's response without noise */
+    double segment_until;            /* s of the segment's end, or of the row's next kick if that is earlier */
+    double noise_until, kick_until;  /* s of either; beyond 1: not in this step */
+    double kick, kick_rate, kick_ns; /* the kicks' sum is kick e^(-kick_rate s) [log units]; time of the next kick */
+    double low, high;                /* bounds of response and kicks on the step, without noise */
     td_response noisy;               /* a response with noise added, for the search */
     td_response kicked;              /* the response with the kicks up to now */
 } walk;
@@ -64,7 +68,7 @@ static void begin_kicks(walk *w) {
     w->high += high;
 }
 
-/* Adds the row's reads up to s. A read at the step's end belongs to the next step. */
+/* Adds the row's kicks up to s. A kick at the step's end belongs to the next step. */
 static void seek_kick(walk *w, double s) {
     const td_kick *kick = &w->job->sensor->kick;
     while (w->kick_until <= s && w->kick_until < 1) {
@@ -158,7 +162,7 @@ static void end_segments(walk *w) {
     if (sensor->segment.light) sensor->segment.light[w->pixel->i] = w->segment.light;
 }
 
-/* S_eff at the step's end: the given one, which the response may miss by rounding. */
+/* The signal at the step's end, with noise and kicks. pixel->end is exact; the response may miss it by rounding. */
 static double end_of(walk *w) {
     seek_segment(w, 1);
     return w->pixel->end + noise_at(w, 1);
@@ -166,7 +170,8 @@ static double end_of(walk *w) {
 
 /* -- events and references ------------------------------------------------------------------------------------------------- */
 
-/* tides_event_frontend of an event at s: what the front end added. */
+/* The front end's contribution to the signal of an event at s [log units], as a half float. It is noise and kicks, and the
+ * response less the log-luminance and the leak's ramp. */
 static uint16_t added_at(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     const td_pixel_step *p = w->pixel;
@@ -215,8 +220,8 @@ static void begin_refractory(walk *w, double s) {
 
 static int is_held(const walk *w, double s) { return *held_until(w) > time_at(w, s); }
 
-/* The cause of a crossing: the leak, if its ramp made more than half of the way to the level. A pixel that hasn't fired yet may
- * have begun between its levels; then only the rest of the way counts. */
+/* The cause of a crossing: the leak, if its ramp made over half of the way from the last reference to the level. If `since` is
+ * before the run (negative), the leak until the run's start counts neither as ramp nor as way. */
 static int cause_of(const walk *w, double s, int polarity) {
     const double leak = w->job->sensor->leak[w->pixel->i], begun = fmax(-*since(w), 0);
     const double ramp = leak * (time_at(w, s) - fmax(*since(w), 0)), way = w->on - leak * begun;
@@ -234,7 +239,8 @@ static tides_status fire(walk *w, double s, int64_t t, int polarity) {
 
 /* -- noise --------------------------------------------------------------------------------------------------------------- */
 
-/* Place of the next noise candidate, at or after the walk's s; `never` where there is none within the step. */
+/* Place of the next noise candidate, at or after the walk's s; `never` where there is none within the step. A candidate is an
+ * event of shot noise or of a hot pixel, drawn at its rate in the dark. */
 static const double never = 2;
 static double next_noise(const walk *w, int *source) {
     const td_sensor *sensor = w->job->sensor;
@@ -246,7 +252,7 @@ static double next_noise(const walk *w, int *source) {
     return s < w->s ? w->s : s > 1 ? 1 : s;
 }
 
-/* 1 where the candidate at s is kept. */
+/* 1 if the candidate at s fires: the brighter the pixel, the fewer candidates of shot noise do. */
 static int take_noise(const walk *w, int source, double s) {
     const td_pixel_step *p = w->pixel;
     uint32_t number = (uint32_t)p->y * (uint32_t)w->job->sensor->image_width + p->x;
@@ -343,7 +349,7 @@ static tides_status look(walk *w) {
         return TIDES_OK;
     }
     if (polarity) {
-        if (at <= p->visible_from && at > 0) job->counts.suppressed++; /* it was put off until the pixel is visible */
+        if (at <= p->visible_from && at > 0) job->counts.suppressed++; /* the crossing was put off until here */
         w->crossed++;
         w->s = at;
         return fire(w, at, td_step_time(job->step, at), polarity);
@@ -368,8 +374,8 @@ static tides_status follow(walk *w) {
     return status;
 }
 
-/* Fires the events for which S at the step's end asks and which the response didn't give. A held or masked pixel fires none;
- * with a refractory period one at most. */
+/* Fires at the step's end until the signal there is between the levels. These are crossings that the search in the response
+ * missed, or that max_events_per_step cut off. A held or masked pixel fires none; with a refractory period, one at most. */
 static tides_status catch_up(walk *w) {
     const td_pixel_step *p = w->pixel;
     uint64_t *late = w->cut ? &w->job->counts.truncated : &w->job->counts.caught_up;
@@ -403,7 +409,7 @@ tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
     job->counts.solved++;
     if (can_end && td_model_is_finite(&pixel->response.cubic)) {
         status = follow(&w);
-    } else { /* noise waits until signals are finite */
+    } else { /* no crossings, and the step's noise candidates are dropped */
         uint64_t lost = 0;
         lose_noise(&w, 2, &lost);
         job->counts.nonfinite++;

@@ -1,4 +1,5 @@
-/* The motion models of kernels/ in single precision, one Gaussian at a time, and the kernel's buffers. */
+/* Compiles the motion models of kernels/ in single precision, as the function move_f32, which moves one Gaussian after another.
+ * move_mover_f32 converts a job to a td_mover in bytes, for the buffer that the OpenCL kernel td_move_gaussians reads. */
 #define MOVE move_f32
 #include "tests/support/move_body.h"
 

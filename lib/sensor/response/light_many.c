@@ -1,9 +1,11 @@
 /* The low-pass whose rate goes with the light, over the pixels of a tile, in loops that vectorise.
  *
- * Most steps are solved as a whole (light_whole.c). Each other pixel walks along its own substeps, with the operations and
- * lengths of substeps.c, so that its state at the step's end is that of td_frontend_step, to the bit. All pixels that are under
- * way advance by one substep at a time, and those that have arrived are taken out. A pixel whose light is cut off at 0, or
- * which needs very many substeps, is left to td_frontend_step. */
+ * The steps of most pixels are solved in one piece (td_light_whole). The step of any other pixel is solved substep by substep,
+ * with the operations and lengths of td_frontend_step, which solves a single pixel: S at the step's end has the same bits. All
+ * pixels that are under way advance by one substep at a time; pixels at the step's end are taken out.
+ *
+ * A pixel isn't solved here if its luminance is cut off at 0, or if it needs more than ROUNDS tries. Its bounds become NaN, and
+ * the caller uses td_frontend_step for it. */
 #include "td_frontend.h"
 #include "td_light_step.h"
 #include "td_math.h"
@@ -13,22 +15,25 @@
 #include <float.h>
 #include <math.h>
 
-enum { TOGETHER = 64, ROUNDS = 256 }; /* pixels side by side; substeps tried for each */
+enum { TOGETHER = 64, ROUNDS = 256 }; /* pixels side by side; tries of substeps for each (images need 1 to 10) */
 
-/* Relative rounding of S, which is an average of its old value and the input. */
+/* Allowance for rounding in the bounds of S, relative to the size of S. S doesn't amplify rounding: it is an average of its old
+ * value and the input. */
 static const double rounding = 64 * DBL_EPSILON;
 
-/* Pixels under way: the first `count` entries of the arrays. */
+/* Pixels under way: the first `count` entries of the arrays. Places on the step are 0 to 1. */
 typedef struct walk {
-    double b[4][TOGETHER]; /* the step's input */
-    double S[TOGETHER], from[TOGETHER], length[TOGETHER];
-    double low[TOGETHER], high[TOGETHER];   /* bounds of S in the substeps so far */
-    double going[TOGETHER], lost[TOGETHER]; /* 1 or 0: under way; can't be solved here */
-    int pixel[TOGETHER];
+    double b[4][TOGETHER];                                /* the step's input */
+    double S[TOGETHER], from[TOGETHER], length[TOGETHER]; /* S at the place `from`; length of the next substep */
+    double low[TOGETHER], high[TOGETHER];                 /* bounds of S in the substeps so far */
+    double going[TOGETHER];                               /* 1: under way; 0: at the step's end, or lost */
+    double lost[TOGETHER];                                /* 1: can't be solved here; else 0 */
+    int pixel[TOGETHER];                                  /* number of the pixel among the TOGETHER */
     int count;
 } walk;
 
-/* Numbers of the filter, the same for all pixels of the step. */
+/* Numbers of the filter, the same for all pixels of the step. dark_L is ln(log_eps), below which the luminance is cut off at 0.
+ * `seconds` is the step's length times the filter's own rate. `tolerance` is of a substep's error of S. */
 typedef struct shared {
     td_light_law law;
     double dark_L, seconds, tolerance;
@@ -36,9 +41,12 @@ typedef struct shared {
 
 TD_WITHIN double choose(double yes, double a, double b) { return yes > 0 ? a : b; }
 
-/* Tries one substep of each pixel. A lost pixel stays where it was. Bounds: S(s) - S(0) is 1 - e^(-rate s) times an average of
- * L less S(0), and that factor is at most `rate`. If S begins below all of L it rises; if it also ends below L, it hasn't met
- * L. */
+/* Tries one substep of each pixel. If the error is above the tolerance, the pixel stays in its place and its next substep is
+ * shorter.
+ *
+ * Bounds: in the substep S moves towards the least or the largest L by at most min(rate, 1) of the distance. Here `rate` is the
+ * integral of the filter's rate over the substep. If S begins and ends below the least L, it rises all the way, and its end is
+ * the upper bound. If S begins and ends above the largest L, its end is the lower bound. */
 TD_WIDE static void go_on(const shared *by, walk *at) {
     const td_light_law law = by->law;
     const double dark_L = by->dark_L, seconds = by->seconds, tolerance = by->tolerance;
@@ -83,11 +91,12 @@ static void move(walk *at, int from, int to) {
     at->pixel[to] = at->pixel[from];
 }
 
-/* Results of the step's pixels: their state at its end, and bounds on it. */
+/* Results of the pixels: S at the step's end, and bounds of S over the whole step. */
 typedef struct ends {
     double *after, *low, *high;
 } ends;
 
+/* Stores a pixel's result. Bounds are NaN if the pixel is lost or still under way. */
 static void arrive(const shared *by, const walk *at, int i, const double *S, const ends *to) {
     const int pixel = at->pixel[i];
     const double size = fabs(at->low[i]) + fabs(at->high[i]) + fabs(S[pixel]), margin = by->tolerance + rounding * size;
@@ -113,7 +122,8 @@ static int is_finite(const double b[4], double S) {
     return (b[0] - b[0]) + (b[1] - b[1]) + (b[2] - b[2]) + (b[3] - b[3]) + (S - S) == 0;
 }
 
-/* Starts the walk of the pixels for which the whole step has no answer. */
+/* Starts the walk of the pixels that td_light_whole has not solved: their bounds are NaN. A pixel whose input or S isn't finite
+ * is left unsolved. */
 static void set_out(walk *at, size_t count, const double *const control[4], const double *S, const ends *to) {
     at->count = 0;
     for (size_t i = 0; i < count; i++) {
