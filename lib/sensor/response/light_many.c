@@ -26,9 +26,9 @@ typedef struct walk {
     double b[4][TOGETHER];                                /* the step's input */
     double S[TOGETHER], from[TOGETHER], length[TOGETHER]; /* S at the place `from`; length of the next substep */
     double low[TOGETHER], high[TOGETHER];                 /* bounds of S in the substeps so far */
-    double going[TOGETHER];                               /* 1: under way; 0: at the step's end, or lost */
-    double lost[TOGETHER];                                /* 1: can't be solved here; else 0 */
-    int pixel[TOGETHER];                                  /* number of the pixel among the TOGETHER */
+    /* going 1: under way; 0: at the step's end, or lost. lost 1: can't be solved here; else 0 */
+    double going[TOGETHER], lost[TOGETHER];
+    int pixel[TOGETHER]; /* number of the pixel among the TOGETHER */
     int count;
 } walk;
 
