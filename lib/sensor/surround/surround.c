@@ -197,16 +197,14 @@ TD_WITHIN void find_signal(double lag, double lap, double coupling, double tau_s
     *S_dot = p_dot - (lag + coupling * lap) / tau_s;
 }
 
-/* Rows of h, of the input, and of S. */
+/* Rows of h, and of the input. */
 typedef struct signal_rows {
     const double *above, *h, *below, *p, *p_dot;
-    double *S, *S_dot;
 } signal_rows;
 
 /* S and S_dot of a row of pixels. The image's borders repeat. */
-TD_WIDE static void find_signals(const td_surround *s, const signal_rows *rows) {
+TD_WIDE static void find_signals(const td_surround *s, const signal_rows *rows, double *restrict S, double *restrict S_dot) {
     const double *above = rows->above, *h = rows->h, *below = rows->below, *p = rows->p, *p_dot = rows->p_dot;
-    double *restrict S = rows->S, *restrict S_dot = rows->S_dot;
     const double coupling = s->lambda_px * s->lambda_px, tau_s = s->tau_s;
     const int last = s->cosine.width - 1;
     const double left = h[last > 0 ? 1 : 0], right = h[last > 0 ? last - 1 : 0];
@@ -229,8 +227,8 @@ static void sample_at(td_surround *s, const double *h, double at, td_surround_sa
         const size_t i = (size_t)y * width;
         const double *here = h + i, *above = y > 0 ? here - width : here, *below = y + 1 < height ? here + width : here;
         if (at_end < 0) find_input(s->input, s->length_s, at, i, width, out->own_p + i, out->own_p_dot + i);
-        const signal_rows rows = {above, here, below, out->p + i, out->p_dot + i, out->S + i, out->S_dot + i};
-        find_signals(s, &rows);
+        const signal_rows rows = {above, here, below, out->p + i, out->p_dot + i};
+        find_signals(s, &rows, out->S + i, out->S_dot + i);
     }
     if (s->tau_s > 0) return;
     memcpy(out->S_dot, out->p_dot, bytes_of(s));
