@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "tests/support/opencl.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/shared.h"
 #include "tides.h"
@@ -197,6 +198,7 @@ static void scores_rank_right(void **state) {
     if (shared_path(run, sizeof run, "data/real/slider_depth/run.json") ||
         shared_path(events, sizeof events, "data/events/ecd_slider_depth_davis240_50k.txt"))
         skip();
+    skip_without_opencl(); /* the run wants device auto */
     assert_true(read.events && recording.events && fitted.events && other.events);
     scene_expect_ok(tides_events_read(events, 0, 50000, read.events, &read.count, &error), &error);
     scene_expect_ok(tides_blemishes_find(read.events, read.count, WIDTH, HEIGHT, &blemishes, &error), &error);

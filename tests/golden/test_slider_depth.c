@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "tests/support/opencl.h"
 #include "tests/support/shared.h"
 #include "tides.h"
 
@@ -57,6 +58,7 @@ static void test_davis240(void **state) {
     if (shared_path(run, sizeof run, "data/real/slider_depth/run.json") != 0 ||
         shared_path(events, sizeof events, "data/events/ecd_slider_depth_davis240_50k.txt") != 0)
         skip();
+    skip_without_opencl(); /* the run wants device auto */
     counted recorded = {{0}, 0, 0}, simulated;
     read_frames(&recorded);
     simulated = recorded;
