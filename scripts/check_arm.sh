@@ -10,7 +10,7 @@
 #   machine's tool; JOBS; LIMIT processor seconds of emulation for a program of tests, which is late past them: it is named, and
 #   neither passed nor failed; TESTS, RUNS, POCL_RUNS
 set -u
-root=${ROOT:-$PWD/build/arm64} native=${NATIVE:-build/release/tides} limit=${LIMIT:-60} jobs=${JOBS:-2}
+root=${ROOT:-$PWD/build/arm64} native=${NATIVE:-build/release/tides} limit=${LIMIT:-400} jobs=${JOBS:-2}
 bare=$root.bare
 compiler="${CROSS:-aarch64-linux-gnu-gcc} --sysroot=$root"
 multiarch=aarch64-linux-gnu config=arm
