@@ -225,7 +225,7 @@ static tides_status one_round(td_calibration *c, tides_calibration *found, const
         const double longest = c->free & TD_FREE_REFRACTORY ? td_shortest_interval(&s.pairs) : target->front.refractory_s;
         td_refine(&c->light, &s.pairs, again, c->free & ~TD_FREE_OFFSET, longest, NULL);
         td_changes(&c->light, &s.pairs, &again->front, NULL);
-        *spread = td_spread_of(&c->light, &s.pairs, again, 0.5e-9 * (double)(s.taken.stop_ns - s.taken.start_ns));
+        *spread = td_spread_of(&c->light, &s.pairs, again, &s.taken);
         td_starts starts = {NAN, NAN};
         status = td_first(c, &s.taken, again, &starts, error);
         note_starts(found, 1 + start_of(c, found), &starts);

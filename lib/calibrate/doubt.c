@@ -40,7 +40,7 @@ static double middle_column(const td_calibration *c) {
 }
 
 static void halves(td_calibration *c, const td_fit *whole, tides_calibration *found) {
-    const double half_s = 0.5e-9 * (double)(c->taken.stop_ns - c->taken.start_ns);
+    const double half_s = td_half_s(&c->taken);
     const double column = middle_column(c);
     const double middle[] = {0, half_s, half_s, column, column};
     for (int32_t what = TD_EARLY; what <= TD_RIGHT; what++) {

@@ -77,7 +77,8 @@ static void add_polarity(const td_light *light, const td_pairs *pairs, const td_
 }
 
 /* Products of neighbours share a pixel, which makes the variance of their sum half as much again. */
-td_variance td_spread_of(const td_light *light, const td_pairs *pairs, const td_fit *fit, double half_s) {
+td_variance td_spread_of(const td_light *light, const td_pairs *pairs, const td_fit *fit, const td_taken *taken) {
+    const double half_s = td_half_s(taken);
     moments m = {0};
     add_polarity(light, pairs, fit, half_s, 1, &m);
     add_polarity(light, pairs, fit, half_s, -1, &m);
@@ -165,7 +166,7 @@ static void dead(const td_calibration *c, tides_calibration *found) {
 tides_status td_spread(td_calibration *c, tides_calibration *found, tides_error *error) {
     td_changes(&c->light, &c->pairs, &c->fit.front, NULL);
     transitions(c, found);
-    c->spread = td_spread_of(&c->light, &c->pairs, &c->fit, 0.5e-9 * (double)(c->taken.stop_ns - c->taken.start_ns));
+    c->spread = td_spread_of(&c->light, &c->pairs, &c->fit, &c->taken);
     const double given = c->options->given[TIDES_CALIBRATED_SIGMA];
     if (given == given) c->spread = (td_variance){given * given, 0, 1};
     td_spread_set(c, &found->values[TIDES_CALIBRATED_SIGMA]);

@@ -150,8 +150,10 @@ tides_status td_scatter(td_calibration *c, const td_fit *fit, double error[TIDES
 /* Parts that measure a calibration's values; each sets its own fields. */
 /* spread.c: transitions, mismatch, the map, hot and dead pixels. */
 tides_status td_spread(td_calibration *c, tides_calibration *found, tides_error *error);
-/* The spread of thresholds, by the changes in `pairs`; half_s: the middle of the stretch. */
-td_variance td_spread_of(const td_light *light, const td_pairs *pairs, const td_fit *fit, double half_s);
+/* The spread of thresholds, by the changes in `pairs`, which are of `taken`. */
+td_variance td_spread_of(const td_light *light, const td_pairs *pairs, const td_fit *fit, const td_taken *taken);
+/* The middle of a stretch [s after its start]. */
+static inline double td_half_s(const td_taken *taken) { return 0.5e-9 * (double)(taken->stop_ns - taken->start_ns); }
 void td_spread_set(const td_calibration *c, tides_calibrated *value);
 /* first.c: where the pixels' references stood when the stretch of `taken` began, by the front end of `fit`. Starts of events
  * that aren't the recording's are scattered as its changes are. */

@@ -5,9 +5,6 @@
 
 #include "td_points.h"
 
-/* Largest error of paths, in log_luminance: with L_dot = 20 /s it is 25 ns. */
-#define TD_POINT_PATH_TARGET 5e-7
-
 /* Largest error of paths of Gaussians that a motion model moves. Their rows may be in single precision, rounded to about 1e-5
  * px, so that a smaller error may be rounding. With 1e-5 here, p95 was 0.7 us in a scene whose samples in single precision
  * have 0.2 us (tests/property/test_motion_events.c). */

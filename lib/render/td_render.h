@@ -71,6 +71,9 @@ tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajec
 const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count);
 int td_renderer_swaps_cut(const tides_renderer *renderer);
 
+/* Largest error of paths, in log_luminance: with L_dot = 20 /s it is 25 ns. */
+#define TD_POINT_PATH_TARGET 5e-7
+
 /* Scale of a swap's light where exp(log_luminance) is `light`: about this much changes log_luminance by 1. */
 double td_renderer_swap_scale(const tides_renderer *renderer, double light);
 

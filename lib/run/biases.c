@@ -156,47 +156,44 @@ static int is_replaced(const filter_field *f, const cJSON *settings) {
            cJSON_GetObjectItemCaseSensitive(settings, "event_rate_activity_filter_state") != NULL;
 }
 
+static int is_enabled(const cJSON *state) { return cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(state, "enabled")); }
+
+/* Sets nothing without `settings`. */
 static tides_status set_filters(const bias_job *job, const cJSON *settings) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < sizeof filter_fields / sizeof *filter_fields; i++) {
         const filter_field *f = &filter_fields[i];
         const cJSON *state = cJSON_GetObjectItemCaseSensitive(settings, f->state);
         const cJSON *value = cJSON_GetObjectItemCaseSensitive(state, f->field);
-        if (!cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(state, "enabled")) || is_replaced(f, settings)) continue;
+        if (!is_enabled(state) || is_replaced(f, settings)) continue;
         if (value) status = set_filter(job, f, value);
     }
     const cJSON *afk = cJSON_GetObjectItemCaseSensitive(settings, "afk_state");
-    const int has_duty = cJSON_HasObjectItem(afk, "duty_cycle");
-    if (status == TIDES_OK && has_duty && cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(afk, "enabled")))
+    if (status == TIDES_OK && is_enabled(afk) && cJSON_HasObjectItem(afk, "duty_cycle"))
         status = note(job, "afk_state.duty_cycle", ": has no key, since how the chip uses it isn't published");
     return status;
 }
 
-static tides_status filters_of(const bias_job *job, const char *path) {
-    char *text = NULL;
-    size_t bytes = 0;
-    tides_status status = td_read_file(path, (size_t)1 << 24, &text, &bytes, job->error);
-    cJSON *settings = status == TIDES_OK ? cJSON_Parse(text) : NULL;
-    free(text);
-    if (status == TIDES_OK && settings) status = set_filters(job, settings); /* the other formats have no filters */
-    cJSON_Delete(settings);
-    return status;
+static tides_status set_all(const bias_job *job, const td_biases *biases) {
+    const cJSON *preset = td_run_value(job->run, "sensor.preset");
+    if (biases->kind != TD_BIASES_PROPHESEE) return by_formula(job, biases);
+    const int gen3 = cJSON_IsString(preset) && strcmp(preset->valuestring, "gen3") == 0;
+    tides_status status = set_filters(job, biases->settings);
+    if (status == TIDES_OK && gen3) status = by_ratio(job, biases);
+    return status == TIDES_OK ? keep_others(job, biases, gen3) : status;
 }
 
 tides_status td_run_biases(tides_run *run, tides_error *error) {
-    const cJSON *file = td_run_value(run, "sensor.biases"), *preset = td_run_value(run, "sensor.preset");
+    const cJSON *file = td_run_value(run, "sensor.biases");
     if (!cJSON_IsString(file)) return TIDES_OK;
-    td_biases biases;
+    td_biases biases = {.settings = NULL};
     char *path = td_run_resolve(run, file->valuestring, error);
     tides_status status = path ? td_biases_read(path, &biases, error) : TIDES_NO_MEMORY;
     if (path && status != TIDES_OK) status = td_fail_within(error, status, "%s: sensor.biases", run->origin);
+    free(path);
     const char *slash = strrchr(file->valuestring, '/');
     const bias_job job = {run, slash ? slash + 1 : file->valuestring, error};
-    if (status == TIDES_OK && biases.kind == TD_BIASES_PROPHESEE) status = filters_of(&job, path);
-    free(path);
-    if (status != TIDES_OK) return status;
-    if (biases.kind != TD_BIASES_PROPHESEE) return by_formula(&job, &biases);
-    const int gen3 = cJSON_IsString(preset) && strcmp(preset->valuestring, "gen3") == 0;
-    if (gen3) status = by_ratio(&job, &biases);
-    return status == TIDES_OK ? keep_others(&job, &biases, gen3) : status;
+    if (status == TIDES_OK) status = set_all(&job, &biases);
+    td_biases_free(&biases);
+    return status;
 }

@@ -167,7 +167,7 @@ static void read_settings(td_biases *biases, const char *text) {
         if (bias) bias->value = value->valueint;
         if (bias) biases->kind = TD_BIASES_PROPHESEE;
     }
-    cJSON_Delete(root);
+    biases->settings = root;
 }
 
 /* -- files ---------------------------------------------------------------------------------------------------------------- */
@@ -197,6 +197,11 @@ static tides_status read_start(const char *path, char **text, tides_error *error
     if (!failed) return TIDES_OK;
     free(*text);
     return td_fail(error, TIDES_BAD_FILE, "%s: can't be read", path);
+}
+
+void td_biases_free(td_biases *biases) {
+    cJSON_Delete(biases->settings);
+    biases->settings = NULL;
 }
 
 tides_status td_biases_read(const char *path, td_biases *biases, tides_error *error) {

@@ -4,6 +4,8 @@
 
 #include "td_base.h"
 
+#include <cjson/cJSON.h>
+
 /* DAVIS: coarse and fine values. DVS128: codes of 24 bits. PROPHESEE: codes, millivolts or offsets; which depends on the
  * chip, and files don't name it. */
 enum { TD_BIASES_DAVIS = 1, TD_BIASES_DVS128 = 2, TD_BIASES_PROPHESEE = 3 };
@@ -21,11 +23,14 @@ typedef struct td_biases {
     int32_t kind; /* TD_BIASES_* */
     int32_t count;
     td_bias bias[TD_BIASES_MAX];
+    cJSON *settings; /* Metavision's settings as a whole; NULL: another format */
 } td_biases;
 
 /* Reads Metavision's camera settings (.json), .bias files, jAER's preferences (.xml, and in the header of .aedat 2), or
- * rpg_dvs_ros' .yaml; the content tells which. TIDES_BAD_FILE: none of these, or no bias in it. */
+ * rpg_dvs_ros' .yaml; the content tells which. TIDES_BAD_FILE: none of these, or no bias in it. Call td_biases_free after a
+ * failure, too. */
 TIDES_MUST_CHECK tides_status td_biases_read(const char *path, td_biases *biases, tides_error *error);
+void td_biases_free(td_biases *biases);
 
 /* Finds a bias by name, in any case; NULL if it is missing. */
 const td_bias *td_biases_find(const td_biases *biases, const char *name);

@@ -10,14 +10,13 @@
 tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tides_error *error) {
     td_frontend frontend;
     td_additive_noise additive;
-    td_kick kick;
     tides_status status = td_sensor_check(params, error);
     if (status == TIDES_OK) status = td_frontend_make(params, &frontend, error);
     if (status == TIDES_OK) status = td_additive_noise_make(params, 0, &additive, error);
-    if (status == TIDES_OK) status = td_kick_make(params, 0, &kick, error);
+    if (status == TIDES_OK) status = td_kick_check(params, error);
     if (status == TIDES_OK)
-        *shows = !frontend.on && !additive.on && !kick.on && !(params->surround_lambda_px > 0) && !(params->psf_sigma_px > 0);
-    if (status == TIDES_OK) td_kick_release(&kick);
+        *shows = !frontend.on && !additive.on && params->kick == 0 && !(params->surround_lambda_px > 0) &&
+                 !(params->psf_sigma_px > 0);
     return status;
 }
 

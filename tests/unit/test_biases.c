@@ -144,10 +144,11 @@ static void test_prophesee(void **state) {
     assert_int_equal(file.kind, TD_BIASES_PROPHESEE);
     assert_int_equal(file.count, 3); /* the first empty line ends it */
     assert_int_equal(td_biases_find(&file, "bias_diff_on")->value, 385);
-    const td_biases settings = read_text("{\"ll_biases_state\": {\"bias\": [{\"name\": \"bias_fo\", \"value\": -35}, "
-                                         "{\"name\": \"bias_hpf\", \"value\": 20}]}, \"afk_state\": {\"enabled\": true}}");
+    td_biases settings = read_text("{\"ll_biases_state\": {\"bias\": [{\"name\": \"bias_fo\", \"value\": -35}, "
+                                   "{\"name\": \"bias_hpf\", \"value\": 20}]}, \"afk_state\": {\"enabled\": true}}");
     assert_int_equal(settings.count, 2);
     assert_int_equal(td_biases_find(&settings, "BIAS_FO")->value, -35);
+    td_biases_free(&settings);
 }
 
 /* An AEDAT 2 file goes on behind its header, with zeros in it. */

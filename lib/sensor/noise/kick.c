@@ -23,7 +23,7 @@ void td_kick_release(td_kick *kick) {
 }
 
 /* Takes the number at the beginning of each line of `text`, which is cut into lines. Frames are in time order. */
-static tides_status take_lines(td_kick *kick, char *text, const char *path, double start, tides_error *error) {
+static tides_status take_lines(td_kick *kick, char *text, const char *path, tides_error *error) {
     size_t capacity = 0, number = 0;
     double before = -INFINITY;
     for (char *line = text, *next; line; line = next) {
@@ -44,14 +44,14 @@ static tides_status take_lines(td_kick *kick, char *text, const char *path, doub
         const tides_status status = td_reserve(&list, &capacity, kick->count + 1, sizeof *kick->listed, error);
         kick->listed = list;
         if (status != TIDES_OK) return status;
-        kick->listed[kick->count++] = 1e9 * (time - start);
+        kick->listed[kick->count++] = time;
         before = time;
     }
     if (kick->count) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE, "%s: has no times of frames for sensor.kick_times", path);
 }
 
-static tides_status read_times(td_kick *kick, const char *path, double start, tides_error *error) {
+static tides_status read_times(td_kick *kick, const char *path, tides_error *error) {
     char *text = NULL;
     size_t bytes = 0;
     td_plain_numbers numbers;
@@ -60,19 +60,17 @@ static tides_status read_times(td_kick *kick, const char *path, double start, ti
         status = td_fail(error, TIDES_BAD_FILE, "%s: isn't text; sensor.kick_times wants a time per line", path);
     if (status == TIDES_OK && (status = td_plain_begin(&numbers, path, error)) == TIDES_OK) {
         td_break_lines(text);
-        status = take_lines(kick, text, path, start, error);
+        status = take_lines(kick, text, path, error);
         td_plain_end(&numbers);
     }
     free(text);
-    kick->period_ns = INFINITY;
-    for (size_t k = 1; k < kick->count; k++) kick->period_ns = fmin(kick->period_ns, kick->listed[k] - kick->listed[k - 1]);
     if (status == TIDES_OK) kick->checksum = td_hash_words(1, kick->listed, kick->count * sizeof *kick->listed);
     return status;
 }
 
 /* -- parameters ------------------------------------------------------------------------------------------------------------ */
 
-static tides_status check(const tides_sensor *s, tides_error *error) {
+tides_status td_kick_check(const tides_sensor *s, tides_error *error) {
     const struct {
         const char *name;
         double value, least, most;
@@ -90,20 +88,34 @@ static tides_status check(const tides_sensor *s, tides_error *error) {
     return TIDES_OK;
 }
 
+static double frame_at(const td_kick *kick, double frame) {
+    if (!kick->listed) return frame * kick->period_ns;
+    return frame < (double)kick->count ? 1e9 * (kick->listed[(size_t)frame] - kick->start) : INFINITY;
+}
+
+static double shortest_period(const td_kick *kick) {
+    double least = INFINITY;
+    for (size_t k = 1; k < kick->count; k++) least = fmin(least, frame_at(kick, (double)k) - frame_at(kick, (double)(k - 1)));
+    return least;
+}
+
 tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, tides_error *error) {
     *kick = (td_kick){.on = s->kick != 0, .size = s->kick};
-    tides_status status = check(s, error);
+    tides_status status = td_kick_check(s, error);
+    if (status == TIDES_OK && kick->on && s->kick_times) status = read_times(kick, s->kick_times, error);
+    if (status == TIDES_OK) status = td_kick_begin(kick, s, start, error);
+    if (status != TIDES_OK) td_kick_release(kick);
+    return status;
+}
+
+tides_status td_kick_begin(td_kick *kick, const tides_sensor *s, double start, tides_error *error) {
+    kick->start = start;
     kick->recovery_ns = 1e9 * s->kick_recovery_s;
-    kick->period_ns = 1e9 / s->kick_rate_hz;
+    kick->period_ns = kick->listed ? shortest_period(kick) : 1e9 / s->kick_rate_hz;
     kick->row_ns = 1e9 * s->kick_row_s;
-    if (status == TIDES_OK && kick->on && s->kick_times) status = read_times(kick, s->kick_times, start, error);
-    if (status == TIDES_OK && kick->on && kick->recovery_ns > 10 * kick->period_ns)
-        status = td_fail(error, TIDES_BAD_ARGUMENT, "sensor: kick_recovery_s is %g, more than ten frames %s",
-                         s->kick_recovery_s, kick->listed ? "where those of kick_times are nearest" : "at kick_rate_hz");
-    if (status != TIDES_OK) {
-        td_kick_release(kick);
-        return status;
-    }
+    if (kick->on && kick->recovery_ns > 10 * kick->period_ns)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: kick_recovery_s is %g, more than ten frames %s", s->kick_recovery_s,
+                       kick->listed ? "where those of kick_times are nearest" : "at kick_rate_hz");
     const double first_ns = kick->listed ? 0 : 1e9 * (s->kick_first_s - start);
     for (int r = 0; r < 2; r++) kick->read_ns[r] = first_ns + 1e9 * s->kick_reads_s[r];
     kick->reads = s->kick_reads_s[0] == s->kick_reads_s[1] ? 1 : 2;
@@ -112,11 +124,6 @@ tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, ti
 }
 
 /* -- reads ----------------------------------------------------------------------------------------------------------------- */
-
-static double frame_at(const td_kick *kick, double frame) {
-    if (!kick->listed) return frame * kick->period_ns;
-    return frame < (double)kick->count ? kick->listed[(size_t)frame] : INFINITY;
-}
 
 /* Time of a read [ns], at half a nanosecond. Steps may begin and end at reads, at whole nanoseconds. Rounding must not put a
  * read on one side of such an end in one step, and on the other in the next. */

@@ -24,7 +24,8 @@ typedef struct td_kick {
     double read_ns[2]; /* of row 0, after its frame's time; with a rate, of frame 0 [ns since the run's start] */
     int reads;         /* 1 where both reads coincide */
     double most;       /* greatest |K| */
-    double *listed;    /* times of frames from a file, ascending [ns since the run's start]; NULL: by the rate */
+    double start;      /* of the run [s] */
+    double *listed;    /* times of frames from a file, ascending [s, on the clock of `start`]; NULL: by the rate */
     size_t count;      /* of these */
     uint64_t checksum; /* of these; 0: by the rate */
 } td_kick;
@@ -33,6 +34,12 @@ typedef struct td_kick {
  * TIDES_BAD_ARGUMENT naming the field, TIDES_BAD_FILE naming the line. */
 TIDES_MUST_CHECK tides_status td_kick_make(const tides_sensor *sensor, double start, td_kick *kick, tides_error *error);
 void td_kick_release(td_kick *kick);
+
+/* The part of td_kick_make that depends on the run's start, for another one; the list of times stays. */
+TIDES_MUST_CHECK tides_status td_kick_begin(td_kick *kick, const tides_sensor *sensor, double start, tides_error *error);
+
+/* Checks the fields alone; TIDES_BAD_ARGUMENT naming one. */
+TIDES_MUST_CHECK tides_status td_kick_check(const tides_sensor *sensor, tides_error *error);
 
 /* td_kick_at: K of row y at `time` [ns since the run's start]. td_kick_next: the row's first read at or after it;
  * INFINITY: none. */

@@ -8,9 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Error of a value that is looked up, by its splats' paths (TD_POINT_PATH_TARGET) [log units]. */
-static const double path_error = 5e-7;
-
 /* Accuracy of references that are taken from the signal [thresholds]: a smaller error has no effect on later events. */
 static const double enough_of_threshold = 1e-7;
 
@@ -137,7 +134,7 @@ static double beyond_at(const td_visit *v, int k, double s) {
     const double residual = td_model_value(&pieces->model[k], td_pieces_place(pieces, k, s)) - td_reference_after(v, n);
     const double beyond = residual * v->changes.change[n - 1].polarity;
     const double ends = td_greater(k == 0 ? v->model.start : 0, k + 1 == pieces->count ? v->model.end : 0);
-    const double known = td_greater(ends, path_error);
+    const double known = td_greater(ends, TD_POINT_PATH_TARGET);
     return beyond > known + v->model.floor ? beyond : INFINITY; /* rounding puts a signal at rest on either side */
 }
 
@@ -198,7 +195,7 @@ void td_find_swapped(td_visit *v) {
     }
     for (int k = 0; k < pieces->count; k++) {
         const double *b = pieces->model[k].control;
-        v->model.swapped[k] = sqrt(v->model.swapped[k]) / td_renderer_swap_scale(v->s->renderer, td_exp(td_lesser(b[0], b[3])));
+        v->model.swapped[k] = td_solve_moved_by(v->s, sqrt(v->model.swapped[k]), td_lesser(b[0], b[3]));
     }
 }
 
@@ -227,9 +224,8 @@ static int may_swap_decide(const td_visit *v, const td_swap_place *swap) {
         const double u = td_pieces_place(pieces, k, s), length = pieces->from[k + 1] - pieces->from[k];
         if (length < shows_swap * swap->wide) continue;
         const double light = swap->light * td_solve_swap_unseen(swap->wide / length);
-        if (left_beside(v, k, u) <=
-            light / td_renderer_swap_scale(v->s->renderer, td_exp(td_model_value(&pieces->model[k], u))) + v->model.floor)
-            return 1;
+        const double moved = td_solve_moved_by(v->s, light, td_model_value(&pieces->model[k], u));
+        if (left_beside(v, k, u) <= moved + v->model.floor) return 1;
     }
     return 0;
 }

@@ -235,8 +235,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->layout.width, s->layout.unit, s->layout.units,
                                   &s->sensor, error);
     s->sensor.start.ns += s->grid.epoch_ns;
-    td_kick_release(&s->sensor.kick); /* the frames' times count from the run's start */
-    if (status == TIDES_OK) status = td_kick_make(sensor, s->epoch, &s->sensor.kick, error);
+    if (status == TIDES_OK) status = td_kick_begin(&s->sensor.kick, sensor, s->epoch, error);
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);
     if (status == TIDES_OK) status = td_solve_create(s, error);
     if (status == TIDES_OK) status = td_sharing_create(&s->sharing, tides_device_threads(device), error);

@@ -120,12 +120,12 @@ static double unseen_light(const tides_simulator *s, const td_refine_step *step,
     return sqrt(squares);
 }
 
-static double moved_by(const tides_simulator *s, double light, double S) {
+double td_solve_moved_by(const tides_simulator *s, double light, double S) {
     return light > 0 ? light / td_renderer_swap_scale(s->renderer, td_exp(S)) : 0;
 }
 
 double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S) {
-    return moved_by(s, unseen_light(s, step, local), S);
+    return td_solve_moved_by(s, unseen_light(s, step, local), S);
 }
 
 void td_solve_widen_swapped(const tides_simulator *s, const td_refine_step *step, const td_signals *signals, double *widen) {
@@ -134,6 +134,6 @@ void td_solve_widen_swapped(const tides_simulator *s, const td_refine_step *step
     for (int32_t i = 0; i < s->layout.unit[step->unit].count; i++) {
         double *own = &light[block_of(s, step, i)];
         if (*own < 0) *own = unseen_light(s, step, i);
-        widen[i] += moved_by(s, *own, td_lesser(signals->S0[i], signals->S1[i]));
+        widen[i] += td_solve_moved_by(s, *own, td_lesser(signals->S0[i], signals->S1[i]));
     }
 }
