@@ -44,6 +44,7 @@ tides_status td_preset_entry(const tides_param *row, const cJSON *item, const ch
             if (strcmp(part->string, "value") != 0 && strcmp(part->string, "spread") != 0 &&
                 strcmp(part->string, "kind") != 0 && strcmp(part->string, "source") != 0)
                 return bad(error, where, row, ": holds more than value, spread, kind and source");
+            if (td_is_repeated(part)) return bad(error, where, row, ": holds value, spread, kind or source twice; keep one");
         }
     }
     return td_param_check(row, *value, where, error);

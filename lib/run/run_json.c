@@ -24,7 +24,7 @@ static tides_status check_value(const tides_param *row, const cJSON *value, cons
     return is_rig ? td_rig_check(value, where, error) : td_param_check(row, value, where, error);
 }
 
-static int32_t is_repeated(const cJSON *item) {
+int32_t td_is_repeated(const cJSON *item) {
     for (const cJSON *other = item->next; other; other = other->next)
         if (strcmp(other->string, item->string) == 0) return 1;
     return 0;
@@ -40,7 +40,7 @@ static tides_status read_object(tides_run *run, const cJSON *object, const char 
         int32_t is_group = td_param_is_group(key);
         if (length < 0 || (size_t)length >= sizeof key || !(row || is_group)) return td_param_unknown(run->origin, key, error);
         /* "sensor.b_min" is also accepted as a key, as in --set, so a value may be given twice in two ways. */
-        if (is_repeated(item) || (row && run->given[row - tides_params(NULL)] == TD_GIVEN_FILE))
+        if (td_is_repeated(item) || (row && run->given[row - tides_params(NULL)] == TD_GIVEN_FILE))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", run->origin, key);
         if (is_group && !cJSON_IsObject(item))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is not an object; write \"%s\": { ... }", run->origin, key,

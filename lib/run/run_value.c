@@ -170,10 +170,7 @@ static tides_status check_object_key(const char *name, const cJSON *item, const 
                        "time_unit, duration_s, start_s)",
                        where, key, name, nearest ? nearest : "file");
     }
-    for (const cJSON *other = item->next; other; other = other->next)
-        if (strcmp(other->string, item->string) == 0)
-            return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", where, key);
-    return TIDES_OK;
+    return td_is_repeated(item) ? td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", where, key) : TIDES_OK;
 }
 
 static tides_status check_objects(const tides_param *row, const cJSON *value, const char *where, tides_error *error) {

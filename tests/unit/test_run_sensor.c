@@ -175,6 +175,9 @@ static void test_bad_presets(void **state) {
         {"{\"resolution\": [346]}", "resolution: about is a text"},
         {"{\"image\": {\"rules\": \"inria\"}}", "of image a preset holds log_eps alone"},
         {"{\"sensors\": {}}", "\"sensors\": a preset holds about, version"},
+        {"{\"sensor\": {\"threshold_on\": 0.2, \"threshold_on\": 0.3}}", "sensor.threshold_on is given twice"},
+        {"{\"sensor\": {}, \"frontend\": {}, \"sensor\": {}}", "sensor is given twice"},
+        {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"value\": 0.3}}}", "twice; keep one"},
     };
     char folder[] = "/tmp/tides_preset_XXXXXX", path[64], set[128];
     assert_non_null(mkdtemp(folder));
