@@ -440,8 +440,8 @@ clean: ## Remove build/
 # (python_ctypes/stage.py). The older kind of run path (DT_RPATH) is the one that goes for what those libraries link, too.
 STAGE := $(OUT)/wheel
 WHEELS ?= build/python
-WHEEL_LIBS = $(shell sh scripts/archives.sh $(CC) $(TIDES_LDLIBS) $(LDLIBS) -lsz -laec)
-WHEEL_CLI_LIBS = $(shell sh scripts/archives.sh $(CC) $(shell $(PKG_CONFIG) --static --libs $(CLI_DEPS)))
+WHEEL_LIBS = $(shell sh scripts/archives.sh '$(CC)' $(TIDES_LDLIBS) $(LDLIBS) -lsz -laec)
+WHEEL_CLI_LIBS = $(shell sh scripts/archives.sh '$(CC)' $(shell $(PKG_CONFIG) --static --libs $(CLI_DEPS)))
 WHEEL_LINK = $(LINK) -s -Wl,--as-needed,--exclude-libs,ALL,--disable-new-dtags,-rpath,'$$ORIGIN'
 wheel: all $(PAGES)/.made ## Pack the Python package with library, tool and all that these link: WHEELS=build/python
 	@$(AGAIN) wheel-built

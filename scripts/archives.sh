@@ -18,7 +18,8 @@ find_archive() { # lib*.a
             return
         fi
     done
-    found=$("$compiler" -print-file-name="$1")
+    # shellcheck disable=SC2086 # words: "ccache gcc"
+    found=$($compiler -print-file-name="$1")
     [ "$found" = "$1" ] || echo "$found"
 }
 
