@@ -1,5 +1,6 @@
 /* Writes the values that a run's sensor drew for each pixel, as a file for sensor.maps of another run. */
 #include "sensor/td_maps.h"
+#include "sensor/td_between.h"
 #include "sensor/td_sensor.h"
 #include "td_session.h"
 

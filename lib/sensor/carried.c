@@ -5,6 +5,8 @@
  * Thresholds, leaks and other values that are drawn once per pixel aren't carried: they are drawn again from the seed. */
 #include "td_base.h"
 #include "td_sensor.h"
+#include "td_sensor_parts.h"
+#include "td_single.h"
 
 #include <string.h>
 

@@ -4,9 +4,11 @@
  * vectorise, behind low-passes and the circuit too. The others are handled one by one: ideal pixels in td_ideal.h, pixels with
  * blocks in pixel.c. Behind a high-pass each pixel is handled by itself. */
 #include "td_ideal.h"
+#include "td_between.h"
 #include "td_ideal_block.h"
 #include "td_pixel.h"
 #include "td_sensor.h"
+#include "td_single.h"
 #include "td_wide.h"
 #include "sensor/response/td_substeps.h"
 
@@ -362,7 +364,7 @@ static void undo(const tile_job *job, size_t before) {
             pixels->count_on[i]--;
         else
             pixels->count_off[i]--;
-        pixels->reference[i] = td_reference_of(sensor->sensor.threshold_on, sensor->sensor.threshold_off, pixels->initial[i],
+        pixels->reference[i] = td_reference_at(sensor->sensor.threshold_on, sensor->sensor.threshold_off, pixels->initial[i],
                                                pixels->count_on[i], pixels->count_off[i]);
     }
     job->pixel.buffer->count = before;

@@ -5,6 +5,7 @@
 #include "td_math.h"
 #include "td_random.h"
 #include "td_sensor.h"
+#include "td_sensor_parts.h"
 
 #include <float.h>
 #include <math.h>

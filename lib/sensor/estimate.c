@@ -1,6 +1,7 @@
 /* The estimated error of a tile's step, over the pixels that may fire in it, for the step control of the solver. */
 #include "td_estimate.h"
 #include "signal/td_model_error.h"
+#include "td_between.h"
 #include "td_extremes.h"
 #include "td_wide.h"
 

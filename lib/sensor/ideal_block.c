@@ -5,6 +5,7 @@
  * are handled one by one in td_ideal.h: signals that aren't finite, or beyond a level at the step's start; more events than a
  * step may have; an end that asks for more events than the model fired. */
 #include "td_ideal_block.h"
+#include "td_between.h"
 
 #include "signal/td_crossing_list.h"
 #include "signal/td_turns.h"

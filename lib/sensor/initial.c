@@ -12,9 +12,12 @@
  *
  * Additive noise has a memory, so that this law doesn't hold with it: td_steady.h has another. */
 #include "td_base.h"
+#include "td_between.h"
 #include "td_math.h"
 #include "td_random.h"
 #include "td_sensor.h"
+#include "td_sensor_parts.h"
+#include "td_single.h"
 #include "td_steady.h"
 
 #include <math.h>

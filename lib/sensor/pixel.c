@@ -7,11 +7,13 @@
  * The response is the signal on the step with the leak's ramp: a cubic, and modes, the exponential decays of the front end.
  * Additive noise and kicks come on top. A kick is the jump of a row's signal when the sensor reads the row for a frame. */
 #include "td_pixel.h"
+#include "td_between.h"
 #include "td_extremes.h"
 #include "td_half.h"
 #include "td_base.h"
 #include "td_math.h"
 #include "sensor/noise/td_noise_bridge.h"
+#include "td_sensor_parts.h"
 
 #include <math.h>
 
@@ -208,7 +210,7 @@ static void move_reference(walk *w, double s, int polarity, int fired) {
         w->count_on++;
     else
         w->count_off++;
-    w->reference = td_reference_of(w->on, w->off, w->initial, w->count_on, w->count_off);
+    w->reference = td_reference_at(w->on, w->off, w->initial, w->count_on, w->count_off);
     *since(w) = time_at(w, s);
     td_pixel_note(w->job, s, w->reference, polarity, fired);
 }

@@ -1,6 +1,7 @@
 /* Finds pixels that may do something in a step, for the solver, which then takes them one at a time. */
 #include "td_extremes.h"
 #include "td_sensor.h"
+#include "td_single.h"
 #include "td_wide.h"
 
 #include <float.h>

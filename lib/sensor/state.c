@@ -1,7 +1,9 @@
 /* State of a sensor's pixels between steps: their signals, the distance to their levels, and the completion of a state that was
  * put back. */
 #include "sensor/noise/td_noise_bridge.h"
+#include "td_between.h"
 #include "td_sensor.h"
+#include "td_sensor_parts.h"
 
 #include <math.h>
 
@@ -77,7 +79,7 @@ void td_sensor_resume(const td_sensor *sensor) {
     const td_pixels *p = &sensor->pixels;
     for (size_t i = 0; i < sensor->count; i++) {
         int fired = p->count_on[i] || p->count_off[i];
-        p->reference[i] = fired ? td_reference_of(td_sensor_threshold_on(sensor, i), td_sensor_threshold_off(sensor, i),
+        p->reference[i] = fired ? td_reference_at(td_sensor_threshold_on(sensor, i), td_sensor_threshold_off(sensor, i),
                                                   p->initial[i], p->count_on[i], p->count_off[i])
                                 : p->initial[i];
         if (sensor->on) td_sensor_set_wake(sensor, i);

@@ -1,9 +1,11 @@
 /* State of pixels with additive noise when a run begins at rest: first slow events by their rates, then the path of the
  * noise. */
 #include "td_steady.h"
+#include "td_between.h"
 #include "td_math.h"
 #include "sensor/noise/td_noise_bridge.h"
 #include "td_random.h"
+#include "td_sensor_parts.h"
 
 #include <math.h>
 

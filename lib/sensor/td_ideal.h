@@ -7,6 +7,7 @@
 #define TD_IDEAL_H
 
 #include "signal/td_crossing.h"
+#include "td_between.h"
 #include "td_pixel.h"
 
 #include <math.h>
@@ -27,7 +28,7 @@ static inline tides_status td_ideal_fire(td_pixel_job *job, td_ideal *at, int64_
         at->count_on++;
     else
         at->count_off++;
-    at->reference = td_reference_of(at->on, at->off, at->initial, at->count_on, at->count_off);
+    at->reference = td_reference_at(at->on, at->off, at->initial, at->count_on, at->count_off);
     return TIDES_OK;
 }
 

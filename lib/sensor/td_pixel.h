@@ -6,6 +6,7 @@
 #include "td_base.h"
 #include "sensor/response/td_response.h"
 #include "td_sensor.h"
+#include "td_single.h"
 
 /* The arguments of a call that all its pixels share. */
 typedef struct td_pixel_job {

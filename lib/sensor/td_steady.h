@@ -18,6 +18,7 @@
 #define TD_STEADY_H
 
 #include "td_sensor.h"
+#include "td_sensor_parts.h"
 
 /* A random initial state of a pixel whose noise at the run's start is given, and whose shot noise and hot events have the rate
  * `rate` [1/ns]. */

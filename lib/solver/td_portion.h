@@ -6,7 +6,7 @@
 
 #include "sensor/td_sensor.h"
 #include "td_pool.h"
-#include "td_solve.h"
+#include "td_solve_portion.h"
 #include "td_timing.h"
 
 /* Counts of accepted steps (tides_stats). */

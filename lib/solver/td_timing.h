@@ -3,6 +3,7 @@
 #define TD_TIMING_H
 
 #include "signal/td_crossing.h"
+#include "sensor/td_between.h"
 #include "sensor/td_sensor.h"
 
 /* Estimated timing errors of a run's events, each event counted once. */

@@ -3,6 +3,7 @@
 #define TD_VISIT_H
 
 #include "td_simulator.h"
+#include "sensor/td_single.h"
 
 /* The accuracy of a change: slope and curvature of the signal there, towards its polarity and per step, and the signal's
  * error. */

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "baselines/td_baseline.h"
+#include "sensor/td_sensor_parts.h"
 #include "tests/support/golden_events.h"
 
 #include <math.h>

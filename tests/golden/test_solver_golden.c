@@ -18,6 +18,7 @@
 #include <cmocka.h>
 
 #include "sensor/td_sensor.h"
+#include "sensor/td_between.h"
 #include "td_base.h"
 #include "tests/support/npz.h"
 #include "tests/support/shared.h"

@@ -8,6 +8,8 @@
 #include <cmocka.h>
 
 #include "sensor/td_sensor.h"
+#include "sensor/td_between.h"
+#include "sensor/td_single.h"
 #include "signal/td_crossing.h"
 #include "td_base.h"
 
@@ -93,7 +95,7 @@ static void assert_invariant(const rig *r, int32_t count) {
         assert_true(residual < r->sensor.sensor.threshold_on);
         assert_true(residual > -r->sensor.sensor.threshold_off);
         assert_true(r->sensor.pixels.reference[i] ==
-                    td_reference_of(r->sensor.sensor.threshold_on, r->sensor.sensor.threshold_off, r->sensor.pixels.initial[i],
+                    td_reference_at(r->sensor.sensor.threshold_on, r->sensor.sensor.threshold_off, r->sensor.pixels.initial[i],
                                     r->sensor.pixels.count_on[i], r->sensor.pixels.count_off[i]));
     }
 }

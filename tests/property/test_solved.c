@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "refine_world.h"
+#include "sensor/td_single.h"
 #include "solver/td_simulator.h"
 #include "tests/support/grazing_world.h"
 #include "tests/support/number_of.h"

@@ -1,6 +1,7 @@
 /* Checkpoints: a run that is cut, saved and restored in a new simulator gives equal events, state and totals to the bit,
  * wherever it is cut, and may be extended. */
 #include "test_checkpoint_common.h"
+#include "sensor/td_between.h"
 #include "tests/support/opencl.h"
 
 /* -- cutting --------------------------------------------------------------------------------------------------------------- */
@@ -192,7 +193,7 @@ static void test_bits_of_pixels(void **state) {
     s->sensor.pixels.count_on[3] = UINT32_MAX;
     s->sensor.pixels.count_off[3] = UINT32_MAX - 1;
     s->sensor.pixels.reference[3] =
-        td_reference_of(s->sensor.sensor.threshold_on, s->sensor.sensor.threshold_off, 5e-324, UINT32_MAX, UINT32_MAX - 1);
+        td_reference_at(s->sensor.sensor.threshold_on, s->sensor.sensor.threshold_off, 5e-324, UINT32_MAX, UINT32_MAX - 1);
     tides_simulator_state(s, before->signal, before->reference, before->on, before->off);
     cut(&j, device, path, &s);
     tides_simulator_state(s, after->signal, after->reference, after->on, after->off);

@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "sensor/td_sensor.h"
+#include "sensor/td_between.h"
 #include "td_base.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 /* Where references are when a run begins: at rest a steady sensor fires from its first moment as often as ten seconds later,
  * whatever resets its pixels, and with the causes that it has later; a random one is anywhere between its levels. */
 #include "sensor_rig.h"
+#include "sensor/td_between.h"
 
 #include <stdio.h>
 

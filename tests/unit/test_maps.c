@@ -1,6 +1,7 @@
 /* Maps of a sensor's pixels: a file's values become the pixels', missing ones are drawn as without a file; maps are written,
  * read and drawn again; wrong files are refused. */
 #include "sensor_rig.h"
+#include "sensor/td_between.h"
 
 #include "archive/td_npy.h"
 #include "sensor/td_maps.h"

@@ -2,6 +2,7 @@
  * equation driven by it in steps of a fraction of its time constants, and a comparator behind it. Compared within 10 %: rates
  * of ON and OFF, and the share of successive events that alternate, over light, thresholds and bandwidth. */
 #include "sensor_rig.h"
+#include "sensor/td_between.h"
 #include "td_random.h"
 #include "signal/td_event_sort.h"
 

@@ -1,6 +1,7 @@
 /* A pixel's signal as cubics between the places where it is known: values, slopes, crossings; and restoring a sensor's
  * pixel. */
 #include "sensor_rig.h"
+#include "sensor/td_single.h"
 
 #include "signal/td_pieces.h"
 #include "tests/support/scene_make.h"

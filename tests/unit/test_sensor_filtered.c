@@ -1,6 +1,7 @@
 /* The front end's contribution to events, against closed forms; and the low-passes of a whole tile against its pixels one by
  * one, the constant one to the bit. */
 #include "sensor_rig.h"
+#include "sensor/td_between.h"
 
 static const double TAU = 1 / (2 * 3.14159265358979323846 * 300); /* of 300 Hz [s] */
 

@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "sensor/td_sensor.h"
+#include "sensor/td_single.h"
 #include "tests/support/scene_make.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 /* Values of a sensor that depend on the run's light, on temperature, and on the parity of columns; and the cause of a pixel's
  * first event, which began on its way to a level. */
 #include "sensor_rig.h"
+#include "sensor/td_between.h"
 
 #include <stdio.h>
 

@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "render/td_render.h"
+#include "sensor/td_between.h"
 #include "solver/td_probe.h"
 #include "solver/td_timing.h"
 #include "tests/support/scene_make.h"

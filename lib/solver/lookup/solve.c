@@ -2,9 +2,11 @@
  * places in the image in batches until all are settled. solve_run.c decides what a pixel needs, solve_nodes.c keeps the values
  * found, and solve_batches.c has the batches. */
 #include "td_extremes.h"
+#include "sensor/td_single.h"
 #include "solver/td_probe.h"
 #include "signal/td_model_error.h"
 #include "solver/td_simulator.h"
+#include "solver/td_swapped.h"
 #include "td_wide.h"
 
 #include <stdlib.h>
@@ -13,6 +15,9 @@
  * that its caches are lost (two cores, the demo: 2048 took 1.06 of the time of one batch, 8192 0.94, 16384 0.92, 32768
  * 0.93). */
 enum { ENOUGH = 1 << 14 };
+
+/* Light that compositing leaves out of samples: image.smoothing.stop_change. Points in double precision don't leave it out. */
+#define LEFT_OUT 1e-5
 
 /* Accuracy of event times where no tolerance is set [s]: ten times the resolution of event times. A smaller error has no effect
  * on later events. */
@@ -74,7 +79,7 @@ tides_status td_solve_create(tides_simulator *s, tides_error *error) {
     solve->known = td_alloc(s->layout.first_pixel[s->layout.units], sizeof *solve->known, error);
     if (!solve->known) return TIDES_NO_MEMORY;
     solve->is_exact = !td_renderer_points_rounded(s->renderer);
-    solve->samples = s->done.timing.rounding + TD_SOLVE_SAMPLES;
+    solve->samples = s->done.timing.rounding + LEFT_OUT;
     solve->enough = ENOUGH;
     solve->target_s = s->given.time_tolerance_s > 0 ? s->given.time_tolerance_s : default_target_s;
     return TIDES_OK;

@@ -1,6 +1,9 @@
 /* Finds doubts: places where a pixel's model doesn't decide whether a level is reached. They are near turns, between turns, at
  * kinks, and within swaps of depth. */
 #include "signal/td_model_error.h"
+#include "sensor/td_between.h"
+#include "sensor/td_single.h"
+#include "solver/td_swapped.h"
 #include "td_extremes.h"
 #include "td_math.h"
 #include "solver/td_visit.h"

@@ -1,5 +1,6 @@
 /* Pixels before anything has moved: their references, and ramps (leak) that meet levels while the image is at rest. */
 #include "solver/td_simulator.h"
+#include "sensor/td_single.h"
 
 /* -- references ------------------------------------------------------------------------------------------------------------ */
 

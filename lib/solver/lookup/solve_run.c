@@ -1,6 +1,8 @@
 /* Takes one pixel through the steps of a macro step, as far as it is settled: runs its comparator, decides which places are
  * known well enough, and requests look-ups at the others. */
 #include "signal/td_model_error.h"
+#include "sensor/td_single.h"
+#include "solver/td_swapped.h"
 #include "td_extremes.h"
 #include "td_hash.h"
 #include "solver/td_probe.h"

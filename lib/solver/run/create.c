@@ -1,5 +1,6 @@
 /* Creates and frees a simulator, for the public API: checks parameters, lays out steps and units, allocates memory. */
 #include "motion/td_motion.h"
+#include "sensor/td_between.h"
 #include "solver/td_simulator.h"
 #include "td_struct.h"
 

@@ -1,6 +1,7 @@
 /* Steps of all pixels together, through the centre-surround to the comparator, where the sensor has a surround. The surround's
  * arithmetic is in lib/sensor/surround. */
 #include "solver/td_simulator.h"
+#include "sensor/td_between.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,7 @@
 /* A step of one unit: its signals go to the sensor, which appends events. Also the values that pixels' comparators see at the
  * time reached. */
 #include "solver/td_simulator.h"
+#include "sensor/td_between.h"
 
 #include <math.h>
 

@@ -8,6 +8,7 @@
  * Each gives the factor by which the step exceeds its limit, and the largest decides. Without `local` a unit whose step is too
  * long cuts those of all units. refine.c makes the steps. */
 #include "td_extremes.h"
+#include "sensor/td_between.h"
 #include "solver/td_simulator.h"
 
 #include <math.h>

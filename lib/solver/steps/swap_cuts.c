@@ -1,6 +1,8 @@
 /* Cuts of steps because of swaps of depth. A step that is accepted otherwise may contain a swap too short to show in its
  * samples. It is cut where the swap begins and ends, and refined between. */
 #include "td_extremes.h"
+#include "sensor/td_between.h"
+#include "solver/td_swapped.h"
 #include "td_math.h"
 #include "solver/td_simulator.h"
 

@@ -3,6 +3,7 @@
  * and no event. */
 #include "solver/td_timing.h"
 #include "render/td_render.h"
+#include "sensor/td_between.h"
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
 #include "td_exponential.h"

@@ -1,0 +1,34 @@
+/* Internal: swaps of depth as a pixel's signal sees them: places where its model may be off, for step control and look-ups. */
+#ifndef TD_SWAPPED_H
+#define TD_SWAPPED_H
+
+#include "render/td_render.h"
+#include "signal/td_signals.h"
+#include "td_refine.h"
+
+/* A swap of depth in a step: its middle `s`, its half-width `wide` [steps], and the change of Y that it makes. */
+typedef struct td_swap_place {
+    double s, wide, light;
+} td_swap_place;
+
+/* td_solve_swaps: swaps that a pixel of the step's unit may see, within a step's length of it: (count), in order of time.
+ * td_solve_swap_place: a swap's place in the step. */
+const td_swap *td_solve_swaps(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count);
+td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step *step, const td_swap *swap);
+
+/* The share of a swap that a cubic through both its ends doesn't show, `wide` cubics' lengths to either side of its middle. All
+ * of a short one; of a long one what a kink of the curvature leaves, by the square of how fast the depths pass. */
+static inline double td_solve_swap_unseen(double wide) {
+    const double left = 0.3 / (wide * wide);
+    return left < 1 ? left : 1;
+}
+
+/* How far unseen light of swaps moves log_luminance, where that is S or more. */
+double td_solve_moved_by(const tides_simulator *s, double light, double S);
+
+/* How far swaps that don't show in a step's samples may move a pixel's log_luminance between these: all together, where it is S
+ * or more at both ends. td_solve_widen_swapped adds it to `widen` of each of the unit's pixels. */
+double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S);
+void td_solve_widen_swapped(const tides_simulator *s, const td_refine_step *step, const td_signals *signals, double *widen);
+
+#endif
