@@ -28,8 +28,7 @@ TD_WIDE static void shuffle(const void *values, size_t size, size_t count, unsig
         }
 }
 
-/* Packs a chunk. Returns the number of bytes and where they are in `scratch`; 0 on failure. */
-static size_t pack(size_t size, size_t count, const void *values, void *scratch, unsigned char **packed) {
+size_t td_h5_pack_chunk(size_t size, size_t count, const void *values, void *scratch, unsigned char **packed) {
     const size_t bytes = size * count;
     unsigned char *shuffled = scratch;
     *packed = shuffled + bytes;
@@ -37,9 +36,8 @@ static size_t pack(size_t size, size_t count, const void *values, void *scratch,
     return td_deflate_planes(shuffled, count, size, *packed, TD_H5_CHUNK_ROOM(bytes) - bytes);
 }
 
-herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values, void *scratch) {
-    unsigned char *packed;
-    const size_t length = pack(H5Tget_size(type), count, values, scratch, &packed);
+herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values,
+                          const unsigned char *packed, size_t length) {
     /* HDF5 packs it itself, or reports why not */
     if (length == 0) return td_h5_append_rows(dataset, type, first, count, values);
     const hsize_t total = first + count, begin = first;
@@ -57,7 +55,7 @@ herr_t td_h5_write_chunks(hid_t dataset, const hsize_t extent[2], hsize_t rows, 
             memset(scratch, 0, bytes);
             from = memcpy(scratch, from, (size_t)left * row * size);
         }
-        const size_t length = pack(size, count, from, scratch + bytes, &packed);
+        const size_t length = td_h5_pack_chunk(size, count, from, scratch + bytes, &packed);
         done = length == 0 ? -1 : H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, begin, length, packed);
     }
     free(scratch);

@@ -61,9 +61,15 @@ hid_t td_h5_create_rows(hid_t file, const char *name, hid_t type, hsize_t chunk)
 herr_t td_h5_append_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values);
 herr_t td_h5_read_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, void *values);
 
-/* Appends whole chunks of integers, packed smaller and in a quarter of the time of td_h5_append_rows. The dataset is from
- * td_h5_create_rows, with `type`'s size, little-endian. `scratch` has TD_H5_CHUNK_ROOM(bytes of the values) bytes. */
-herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values, void *scratch);
+/* Packs a whole chunk of `count` integers of `size` bytes, smaller and in a quarter of the time of td_h5_append_rows. Returns
+ * the number of bytes and where they are in `scratch`, which has TD_H5_CHUNK_ROOM(bytes of the values) bytes; 0 on failure. Any
+ * thread may call it: HDF5 isn't. */
+size_t td_h5_pack_chunk(size_t size, size_t count, const void *values, void *scratch, unsigned char **packed);
+
+/* Appends a chunk that was packed to `length` bytes, or, if that is 0, the values. The dataset is from td_h5_create_rows, with
+ * `type`'s size, little-endian. */
+herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values,
+                          const unsigned char *packed, size_t length);
 #define TD_H5_CHUNK_ROOM(bytes) (2 * (bytes) + (bytes) / 64 + 1024) /* deflate adds at most 5 bytes per 16 kB, and a few */
 
 /* Writes all values of a dataset in such chunks of `rows` rows, packed the same way. `extent[1]` = 0: one dimension. `size`:

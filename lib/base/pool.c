@@ -9,12 +9,16 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+/* Portions per thread: they take different times, and a thread that has finished one takes the next. */
+enum { PORTIONS_EACH = 4 };
+
 struct td_pool {
     pthread_t thread[TD_POOL_MOST];
     int threads; /* threads asked for, with the caller's own */
     int started; /* threads started besides the caller's */
     int tried;   /* 1 after the attempt to start them, of which some may have failed */
     pid_t process;
+    double shared_time; /* the callers' [s] */
     pthread_mutex_t lock;
     pthread_cond_t begun, ended;
     /* guarded by the lock: */
@@ -125,6 +129,7 @@ void td_pool_run(td_pool *pool, int parts, td_pool_part part, void *user) {
         for (int k = 0; k < parts; k++) part(user, k);
         return;
     }
+    const double begun = td_own_time();
     pthread_mutex_lock(&pool->lock);
     pool->part = part;
     pool->user = user;
@@ -135,4 +140,13 @@ void td_pool_run(td_pool *pool, int parts, td_pool_part part, void *user) {
     do_parts(pool);
     while (pool->left > 0) pthread_cond_wait(&pool->ended, &pool->lock);
     pthread_mutex_unlock(&pool->lock);
+    pool->shared_time += td_own_time() - begun;
+}
+
+double td_pool_shared_time(const td_pool *pool) { return pool ? pool->shared_time : 0; }
+
+int td_pool_portions(const td_pool *pool, int count, int fewest) {
+    const int threads = td_pool_threads(pool), worth = count / fewest, most = PORTIONS_EACH * threads;
+    if (threads < 2 || worth < 2) return 1;
+    return worth < most ? worth : most;
 }

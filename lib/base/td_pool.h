@@ -29,4 +29,14 @@ int td_pool_threads(const td_pool *pool);
 typedef void (*td_pool_part)(void *user, int k);
 void td_pool_run(td_pool *pool, int parts, td_pool_part part, void *user);
 
+/* Processor time of the callers within works that were shared with other threads, since the pool was made [s]. 0 for NULL. */
+double td_pool_shared_time(const td_pool *pool);
+
+/* Where portion k of `portions` begins, of `count` things that are shared out in order; portion `portions` is the end. */
+static inline int td_pool_begin(int count, int portions, int k) { return (int)((int64_t)count * k / portions); }
+
+/* The number of portions for `count` things of which `fewest` are worth a thread: several for each thread, since portions take
+ * different times; 1 where nothing is to be shared. */
+int td_pool_portions(const td_pool *pool, int count, int fewest);
+
 #endif

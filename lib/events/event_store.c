@@ -42,8 +42,8 @@ static hid_t column_memory_type(int column) {
     }
 }
 
-/* Raw bytes of an event: polarity, t, x, y, t_ns; and of its labels: cause, fired, frontend. */
-enum { BYTES_PER_EVENT = 1 + 4 + 2 + 2 + 8, BYTES_OF_LABELS = 1 + 8 + 4 };
+/* Raw bytes of an event's labels: cause, fired, frontend. */
+enum { BYTES_OF_LABELS = 1 + 8 + 4 };
 
 static void gather_column(int column, int64_t offset, const tides_event *events, size_t count, void *out) {
     uint8_t *p = out;
@@ -198,7 +198,7 @@ static void release_space(hid_t file) {
  * fill the last chunk with 1 %. The rest of the sum is for deflate's 5 bytes per 16 kB, and for one or two B-tree nodes of 2 kB
  * per dataset and chunk. Measured with random bytes among any share of zeros, files took a tenth less than this bound. */
 static uint64_t space_needed(uint64_t events, uint64_t entries) {
-    const uint64_t index_chunks = entries / TD_INDEX_CHUNK + 2, row = BYTES_PER_EVENT + BYTES_OF_LABELS;
+    const uint64_t index_chunks = entries / TD_INDEX_CHUNK + 2, row = TD_EVENT_BYTES + BYTES_OF_LABELS;
     const uint64_t filled = (events + TD_EVENT_CHUNK - 1) / TD_EVENT_CHUNK * TD_EVENT_CHUNK - events;
     uint64_t raw = events * row + filled * row / 100 + index_chunks * TD_INDEX_CHUNK * sizeof(uint64_t);
     return raw + raw / 16 + 65536 + 64 * index_chunks;
@@ -230,17 +230,38 @@ herr_t td_event_store_index(td_event_store *store, int64_t t, uint64_t row) {
     return fill_index(store, td_milliseconds_begun(t, store->offset), row);
 }
 
-static herr_t append_column(const td_event_store *store, int column, size_t count) {
-    const hid_t type = column_memory_type(column), to = store->columns[column];
-    if (count < TD_EVENT_CHUNK) return td_h5_append_rows(to, type, store->rows, count, store->scratch);
-    return td_h5_append_chunk(to, type, store->rows, count, store->scratch, (int64_t *)store->scratch + TD_EVENT_CHUNK);
+/* Events that are being packed, column by column, each in its part of the scratch. */
+typedef struct packing {
+    const td_event_store *store;
+    const tides_event *events;
+    size_t count;
+    void *values[TD_COLUMNS];
+    unsigned char *packed[TD_COLUMNS];
+    size_t length[TD_COLUMNS]; /* 0: not packed; HDF5 does it */
+} packing;
+
+/* Gathers a column, and packs it if it is a whole chunk. The last ones take longest, so they begin. */
+static void pack_column(void *user, int k) {
+    static const size_t bytes[TD_COLUMNS] = {1, 4, 2, 2, 8};
+    packing *all = user;
+    const int column = TD_COLUMNS - 1 - k;
+    unsigned char *own = all->store->scratch;
+    for (int c = 0; c < column; c++) own += TD_EVENT_CHUNK * bytes[c] + TD_H5_CHUNK_ROOM(TD_EVENT_CHUNK * bytes[c]);
+    all->values[column] = own;
+    all->length[column] = 0;
+    gather_column(column, all->store->offset, all->events, all->count, own);
+    if (all->count == TD_EVENT_CHUNK)
+        all->length[column] =
+            td_h5_pack_chunk(bytes[column], all->count, own, own + TD_EVENT_CHUNK * bytes[column], &all->packed[column]);
 }
 
 static herr_t append_events(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count) {
-    for (int c = 0; c < TD_COLUMNS; c++) {
-        gather_column(c, store->offset, events, count, store->scratch);
-        if (append_column(store, c, count) < 0) return -1;
-    }
+    packing all = {.store = store, .events = events, .count = count};
+    td_pool_run(count == TD_EVENT_CHUNK ? store->pool : NULL, TD_COLUMNS, pack_column, &all);
+    for (int c = 0; c < TD_COLUMNS; c++)
+        if (td_h5_append_chunk(store->columns[c], column_memory_type(c), store->rows, count, all.values[c], all.packed[c],
+                               all.length[c]) < 0)
+            return -1;
     if (td_event_labels_append(store->file, &store->labels, store->rows, events, fired, count, store->scratch) < 0) return -1;
     for (size_t i = 0; i < count; i++)
         if (td_event_store_index(store, events[i].t, store->rows + i) < 0) return -1;

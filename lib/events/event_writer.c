@@ -306,6 +306,11 @@ static tides_status write_events(tides_event_writer *writer, const tides_event *
 
 tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, const int64_t *fired,
                                        size_t count, tides_error *error) {
+    return td_event_writer_append(writer, events, fired, count, NULL, error);
+}
+
+tides_status td_event_writer_append(tides_event_writer *writer, const tides_event *events, const int64_t *fired, size_t count,
+                                    td_pool *pool, tides_error *error) {
     if (!writer || (!events && count > 0))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_append: an argument is NULL");
     if (writer->failure.status != TIDES_OK) return repeat_failure(writer, error);
@@ -314,7 +319,10 @@ tides_status tides_event_writer_append(tides_event_writer *writer, const tides_e
     tides_status status = td_event_check(writer->format, sink, events, count, error);
     if (status == TIDES_OK && sink->ticks) status = td_event_ticks_add(sink->ticks, events, count, error);
     if (status != TIDES_OK || count == 0) return status;
-    if (write_events(writer, events, fired, count) != TIDES_OK) return repeat_failure(writer, error);
+    sink->pool = pool;
+    status = write_events(writer, events, fired, count);
+    sink->pool = NULL;
+    if (status != TIDES_OK) return repeat_failure(writer, error);
     sink->last = events[count - 1];
     sink->has_last = 1;
     sink->count += count;

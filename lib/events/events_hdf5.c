@@ -141,6 +141,7 @@ static tides_status write_failed(td_event_sink *sink, tides_status status, const
 static tides_status flush_buffer(td_event_sink *sink, tides_error *error) {
     hdf5_writer *w = sink->state;
     tides_error reason = {0};
+    w->store.pool = sink->pool;
     tides_status status = td_event_store_append(&w->store, w->buffer, w->fired, w->buffered, &reason);
     if (status != TIDES_OK) return write_failed(sink, status, reason.text, error);
     w->buffered = 0;

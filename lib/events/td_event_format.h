@@ -3,6 +3,7 @@
 #ifndef TD_EVENT_FORMAT_H
 #define TD_EVENT_FORMAT_H
 
+#include "td_pool.h"
 #include "tides/events.h"
 
 #include <stdio.h>
@@ -96,7 +97,8 @@ typedef struct td_event_sink {
     int claim;   /* second descriptor that keeps the .part locked after it is closed */
     void *state; /* the format's, freed by its discard */
     td_event_ticks *ticks;
-    size_t holds; /* bytes of `at` still in `held`, since a call of fwrite costs as much as ten records of a few bytes */
+    td_pool *pool; /* during write: whose threads may share it; NULL: none */
+    size_t holds;  /* bytes of `at` still in `held`, since a call of fwrite costs as much as ten records of a few bytes */
     unsigned char held[TD_SINK_HELD];
 } td_event_sink;
 
@@ -197,6 +199,11 @@ tides_status td_event_check(const td_event_format *format, const td_event_sink *
  * event number count - 1 must be equal to it: otherwise TIDES_BAD_FILE, and the file is unchanged. */
 tides_status td_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count, const tides_event *last,
                                     tides_event_writer **writer, tides_error *error);
+
+/* tides_event_writer_append, in which a pool's threads (NULL: none) may pack what is written. Only the calling thread is in
+ * HDF5. */
+tides_status td_event_writer_append(tides_event_writer *writer, const tides_event *events, const int64_t *fired, size_t count,
+                                    td_pool *pool, tides_error *error);
 
 /* Fraction of the file that has been read, 0 to 1; negative if unknown. */
 double td_event_reader_part(const tides_event_reader *reader);

@@ -3,6 +3,7 @@
 #define TD_EVENT_STORE_H
 
 #include "td_event_h5.h"
+#include "td_pool.h"
 
 enum { TD_COLUMN_P, TD_COLUMN_T, TD_COLUMN_X, TD_COLUMN_Y, TD_COLUMN_NS, TD_COLUMNS };
 
@@ -22,12 +23,15 @@ typedef struct td_event_store {
     uint64_t next_ms;                 /* first millisecond without an entry */
     uint64_t pending[TD_INDEX_CHUNK]; /* entries that wait until they fill a chunk */
     size_t pending_count;
-    void *scratch; /* a column of a chunk, and room to pack it: TD_EVENT_SCRATCH bytes */
+    void *scratch; /* the columns of a chunk, each with room to pack it: TD_EVENT_SCRATCH bytes */
+    td_pool *pool; /* whose threads share the packing, during an append; NULL: the calling thread does all */
     int failed;    /* errno of the first failed write, which the file driver hides from HDF5; or 0 */
 } td_event_store;
 
-/* Bytes of a store's scratch. */
-#define TD_EVENT_SCRATCH (TD_EVENT_CHUNK * sizeof(int64_t) + TD_H5_CHUNK_ROOM(TD_EVENT_CHUNK * sizeof(int64_t)))
+/* Bytes of an event in the columns: polarity, t, x, y, t_ns; and of a store's scratch. */
+#define TD_EVENT_BYTES (size_t)(1 + 4 + 2 + 2 + 8)
+#define TD_EVENT_SCRATCH \
+    (TD_EVENT_CHUNK * TD_EVENT_BYTES + TD_H5_CHUNK_ROOM(TD_EVENT_CHUNK * TD_EVENT_BYTES) + TD_COLUMNS * TD_H5_CHUNK_ROOM(0))
 
 /* Labels of a file. _reset marks all columns as not open, _create creates all in a new file, and _reopen opens those of an
  * unfinished file and cuts them to `rows`. _append adds those of `count` events at row `row`; with `fired` NULL events fired at

@@ -42,3 +42,44 @@ void td_point_gather(td_point_place *places, td_point_place *room, int count, in
         count -= half;
     }
 }
+
+/* Fewest places that are worth a thread of their own. */
+enum { FEWEST_PLACES = 512 };
+
+/* What the pool's threads share. */
+typedef struct gathering {
+    const td_point_tiles *all;
+    int portions, *order;
+} gathering;
+
+static int begin_of(const td_point_tiles *all, int tile) { return tile > 0 ? all->end[tile - 1] : 0; }
+
+/* The first tile that begins at `place` or later. */
+static int tile_from(const td_point_tiles *all, int place) {
+    int low = 0, high = all->tiles;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (begin_of(all, middle) < place)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Orders the tiles that begin in portion k of the places. */
+static void gather_some(void *user, int k) {
+    const gathering *of = user;
+    const td_point_tiles *all = of->all;
+    const int end = tile_from(all, td_pool_begin(all->count, of->portions, k + 1));
+    for (int tile = tile_from(all, td_pool_begin(all->count, of->portions, k)); tile < end; tile++) {
+        const int first = begin_of(all, tile);
+        td_point_gather(all->places + first, all->room + first, all->end[tile] - first, all->lanes);
+        for (int i = first; i < all->end[tile]; i++) of->order[i] = all->places[i].which;
+    }
+}
+
+void td_point_gather_all(td_pool *pool, const td_point_tiles *all, int *order) {
+    gathering of = {all, td_pool_portions(pool, all->count, FEWEST_PLACES), order};
+    td_pool_run(pool, of.portions, gather_some, &of);
+}

@@ -215,7 +215,7 @@ static tides_status order_points(const tides_renderer *renderer, td_points *p, c
     const int tiles = renderer->stats.tiles;
     tides_status status = td_reserve((void **)&p->place, &p->place_capacity, 2 * (size_t)count, sizeof *p->place, error);
     if (status != TIDES_OK) return status;
-    td_point_place *places = p->place, *room = places + count;
+    td_point_place *places = p->place;
     int *end = p->wanted; /* borrowed as scratch: no lists are wanted yet */
     memset(end, 0, (size_t)tiles * sizeof *end);
     for (int i = 0; i < count; i++) end[tile_of(renderer, &points[which[i]])]++;
@@ -226,9 +226,8 @@ static tides_status order_points(const tides_renderer *renderer, td_points *p, c
     }
     for (int i = 0; i < count; i++)
         places[end[tile_of(renderer, &points[which[i]])]++] = place_of(p, &points[which[i]], which[i]);
-    for (int i = 0, first = 0; i < tiles; first = end[i++])
-        td_point_gather(places + first, room, end[i] - first, p->engine->lanes);
-    for (int i = 0; i < count; i++) order[i] = places[i].which;
+    const td_point_tiles all = {places, places + count, end, tiles, count, p->engine->lanes};
+    td_point_gather_all(renderer->pool, &all, order);
     return TIDES_OK;
 }
 

@@ -187,6 +187,10 @@ void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *co
     }
 }
 
+void td_renderer_share(tides_renderer *renderer, td_pool *pool) {
+    for (; renderer; renderer = renderer->beside) renderer->pool = pool;
+}
+
 void td_renderer_set_interrupt(tides_renderer *renderer, td_interrupt interrupt, void *user) {
     for (; renderer; renderer = renderer->beside) {
         renderer->control.interrupt = interrupt;

@@ -125,9 +125,9 @@ static double light_in(const pair *of, int block, const form *f, const form *g) 
 }
 
 static void add_swap(td_swap_tile *tile, const td_swap *swap) {
-    struct td_swaps *swaps = tile->swaps;
-    tile->status = td_reserve((void **)&swaps->swap, &swaps->swap_capacity, swaps->count + 1, sizeof *swaps->swap, tile->error);
-    if (tile->status == TIDES_OK) swaps->swap[swaps->count++] = *swap;
+    td_swap_portion *to = tile->portion;
+    tile->status = td_reserve((void **)&to->swap, &to->swap_capacity, to->count + 1, sizeof *to->swap, tile->error);
+    if (tile->status == TIDES_OK) to->swap[to->count++] = *swap;
 }
 
 /* Notes a swap at place s in part k, `wide` parts to either side, for each block that sees both splats. Through a lens the

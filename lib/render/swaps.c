@@ -76,8 +76,13 @@ void td_swaps_destroy(struct td_swaps *swaps) {
     free(swaps->view);
     free(swaps->first);
     free(swaps->swap);
-    free(swaps->splat);
-    free(swaps->depth);
+    for (size_t k = 0; k < swaps->portions; k++) {
+        free(swaps->portion[k].swap);
+        free(swaps->portion[k].splat);
+        free(swaps->portion[k].order);
+        free(swaps->portion[k].depth);
+    }
+    free(swaps->portion);
     free(swaps->mover);
     free(swaps->move);
     free(swaps->shape);
@@ -208,14 +213,14 @@ static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, 
 /* -- a tile ---------------------------------------------------------------------------------------------------------------- */
 
 static int by_depth(const void *a, const void *b) {
-    const td_swap_splat *x = a, *y = b;
+    const td_swap_splat *x = *(const td_swap_splat *const *)a, *y = *(const td_swap_splat *const *)b;
     if (x->least != y->least) return x->least < y->least ? -1 : 1;
     return (x->box > y->box) - (x->box < y->box);
 }
 
 /* Sorts by body, and within a body by depth at the start. */
 static int by_start(const void *a, const void *b) {
-    const td_swap_splat *x = a, *y = b;
+    const td_swap_splat *x = *(const td_swap_splat *const *)a, *y = *(const td_swap_splat *const *)b;
     if (x->group != y->group) return x->group < y->group ? -1 : 1;
     if (x->z[0] != y->z[0]) return x->z[0] < y->z[0] ? -1 : 1;
     return (x->box > y->box) - (x->box < y->box);
@@ -269,9 +274,11 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
 }
 
 /* Takes the splats of a tile's list that may swap. Takes none if all are of one body within which no swap is possible. */
-static tides_status take_splats(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
-                                int *count, int *bodies, int *within, tides_error *error) {
-    const int *first = renderer->candidates.first, *list = renderer->candidates.list;
+static tides_status take_splats(const tides_renderer *renderer, td_swap_tile *of, int *count, int *bodies, int *within) {
+    const struct td_swaps *swaps = of->swaps;
+    td_swap_portion *to = of->portion;
+    const int tile = of->tile, *first = renderer->candidates.first, *list = renderer->candidates.list;
+    const size_t each = 2 * ((size_t)of->at->parts + 1);
     int group = 0, some = 0;
     *count = *bodies = *within = 0;
     for (int i = first[tile]; i < first[tile + 1]; i++) {
@@ -284,13 +291,15 @@ static tides_status take_splats(const tides_renderer *renderer, struct td_swaps 
         some++;
     }
     if (!*within && !*bodies) return TIDES_OK;
-    tides_status status = td_reserve((void **)&swaps->splat, &swaps->splat_capacity, (size_t)some, sizeof *swaps->splat, error);
-    const size_t each = 2 * ((size_t)at->parts + 1);
+    tides_status status = td_renew((void **)&to->splat, &to->splat_capacity, (size_t)some, sizeof *to->splat, of->error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&swaps->depth, &swaps->depth_capacity, (size_t)some * each, sizeof *swaps->depth, error);
+        status = td_renew((void **)&to->order, &to->order_capacity, (size_t)some, sizeof *to->order, of->error);
+    if (status == TIDES_OK)
+        status = td_renew((void **)&to->depth, &to->depth_capacity, (size_t)some * each, sizeof *to->depth, of->error);
     for (int i = first[tile]; i < first[tile + 1] && status == TIDES_OK; i++) {
         if (list[i] < 0 || swaps->may[list[i]] == MAY_NOT) continue;
-        take_splat(renderer, swaps, at, list[i], swaps->depth + (size_t)*count * each, &swaps->splat[*count]);
+        take_splat(renderer, swaps, of->at, list[i], to->depth + (size_t)*count * each, &to->splat[*count]);
+        to->order[*count] = &to->splat[*count];
         ++*count;
     }
     return status;
@@ -299,14 +308,14 @@ static tides_status take_splats(const tides_renderer *renderer, struct td_swaps 
 /* -------------------------------------------------------------------------------------------------------------------------- */
 
 /* Checks pairs of splats of different bodies. */
-static void look_across(td_swap_tile *of, const td_swap_splat *all, int count, double near) {
+static void look_across(td_swap_tile *of, const td_swap_splat *const *all, int count, double near) {
     int pairs = 0;
     for (int i = 0; i < count && of->status == TIDES_OK; i++) {
-        const td_swap_splat *a = &all[i];
+        const td_swap_splat *a = all[i];
         const double far = a->most + near * fabs(a->most);
-        for (int j = i + 1; j < count && all[j].least <= far && pairs < MOST_PAIRS; j++, pairs++)
-            if (a->group != all[j].group)
-                td_swaps_look_at(of, a, &all[j], a->move || all[j].move ? TD_SWAP_SLOW_WITHIN : TD_SWAP_SLOW);
+        for (int j = i + 1; j < count && all[j]->least <= far && pairs < MOST_PAIRS; j++, pairs++)
+            if (a->group != all[j]->group)
+                td_swaps_look_at(of, a, all[j], a->move || all[j]->move ? TD_SWAP_SLOW_WITHIN : TD_SWAP_SLOW);
     }
     of->is_cut |= pairs == MOST_PAIRS;
 }
@@ -324,15 +333,15 @@ static int is_none(const td_swap_tile *of, const td_swap_splat *a, const td_swap
 
 /* Checks pairs within one body, sorted by by_start: splats that may swap within it, with all that its turn brings within
  * reach. A pair is found from the splat that may move further. */
-static void look_within(td_swap_tile *of, const td_swap_splat *all, int count, double near) {
+static void look_within(td_swap_tile *of, const td_swap_splat *const *all, int count, double near) {
     int pairs = 0;
     for (int i = 0; i < count && of->status == TIDES_OK; i++) {
-        const td_swap_splat *a = &all[i];
+        const td_swap_splat *a = all[i];
         if (a->may < MAY_SHORTLY) continue;
         const double reach = 2 * a->sway + near * fabs(a->z[0]);
         for (int side = -1; side <= 1; side += 2)
             for (int j = i + side; j >= 0 && j < count && pairs < MOST_PAIRS; j += side, pairs++) {
-                const td_swap_splat *b = &all[j];
+                const td_swap_splat *b = all[j];
                 if (b->group != a->group || fabs(b->z[0] - a->z[0]) > reach) break;
                 if (b->may >= MAY_SHORTLY && (b->sway > a->sway || (b->sway == a->sway && j < i))) continue;
                 const double slow = a->may == MAY_ALONE || b->may == MAY_ALONE ? TD_SWAP_SLOW : TD_SWAP_SLOW_WITHIN;
@@ -342,30 +351,30 @@ static void look_within(td_swap_tile *of, const td_swap_splat *all, int count, d
     of->is_cut |= pairs == MOST_PAIRS;
 }
 
-static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
-                            tides_error *error) {
+static tides_status look_in(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at, int tile,
+                            td_swap_portion *portion) {
     const double near = TD_SWAP_REACH * renderer->image.soft_depth;
-    int count, bodies, within;
-    tides_status status = take_splats(renderer, swaps, at, tile, &count, &bodies, &within, error);
     const int across = renderer->candidates.tiles_x;
+    int count, bodies, within;
     td_swap_tile of = {.swaps = swaps,
+                       .portion = portion,
                        .image = &renderer->image,
                        .at = at,
                        .tile = tile,
                        .corner = {tile % across * TD_TILE, tile / across * TD_TILE},
                        .contrast = renderer->store.sh_stride > 3 ? by_view : 0,
-                       .status = status,
-                       .error = error};
-    if (count == 0) return status;
+                       .error = &portion->error};
+    of.status = take_splats(renderer, &of, &count, &bodies, &within);
+    if (of.status != TIDES_OK || count == 0) return of.status;
     if (bodies) {
-        qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_depth);
-        look_across(&of, swaps->splat, count, near);
+        qsort(portion->order, (size_t)count, sizeof *portion->order, by_depth);
+        look_across(&of, portion->order, count, near);
     }
     if (within) {
-        qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_start);
-        look_within(&of, swaps->splat, count, near);
+        qsort(portion->order, (size_t)count, sizeof *portion->order, by_start);
+        look_within(&of, portion->order, count, near);
     }
-    swaps->tiles_cut += of.is_cut;
+    portion->tiles_cut += of.is_cut;
     return of.status;
 }
 
@@ -378,19 +387,81 @@ static int by_place(const void *a, const void *b) {
     return x->wide > y->wide ? -1 : x->wide < y->wide;
 }
 
-/* Sorts the swaps by block and time. */
-static tides_status lay_swaps(const tides_renderer *renderer, struct td_swaps *swaps, tides_error *error) {
+/* What the pool's threads share. */
+typedef struct searching {
+    const tides_renderer *renderer;
+    struct td_swaps *swaps;
+    const td_swap_samples *at;
+    int portions;
+} searching;
+
+/* Searches portion k of the tiles, and sorts its swaps by block and time. */
+static void search(void *user, int k) {
+    const searching *all = user;
+    const int tiles = all->renderer->stats.tiles, end = td_pool_begin(tiles, all->portions, k + 1);
+    td_swap_portion *portion = &all->swaps->portion[k];
+    portion->count = 0;
+    portion->tiles_cut = 0;
+    portion->status = TIDES_OK;
+    for (int tile = td_pool_begin(tiles, all->portions, k); tile < end && portion->status == TIDES_OK; tile++)
+        if (all->renderer->candidates.moving[tile])
+            portion->status = look_in(all->renderer, all->swaps, all->at, tile, portion);
+    if (portion->count > 0) qsort(portion->swap, portion->count, sizeof *portion->swap, by_place);
+}
+
+static tides_status reserve_portions(struct td_swaps *swaps, int portions, tides_error *error) {
+    const size_t before = swaps->portions;
+    const tides_status status =
+        td_reserve((void **)&swaps->portion, &swaps->portions, (size_t)portions, sizeof *swaps->portion, error);
+    if (swaps->portions > before) memset(swaps->portion + before, 0, (swaps->portions - before) * sizeof *swaps->portion);
+    return status;
+}
+
+/* Joins the portions' swaps: sorted by block and time, since portions have tiles of their own in order. */
+static tides_status join(struct td_swaps *swaps, int portions, tides_error *error) {
+    size_t count = 0;
+    for (int k = 0; k < portions; k++) {
+        const td_swap_portion *portion = &swaps->portion[k];
+        count += portion->count;
+        swaps->tiles_cut += portion->tiles_cut;
+        if (portion->status == TIDES_OK) continue;
+        if (error) *error = portion->error;
+        return portion->status;
+    }
+    if (count > INT32_MAX) return td_fail(error, TIDES_NO_MEMORY, "swaps of depth: too many in one step; use shorter steps");
+    const tides_status status = td_renew((void **)&swaps->swap, &swaps->swap_capacity, count, sizeof *swaps->swap, error);
+    for (int k = 0; k < portions && status == TIDES_OK; k++) {
+        const td_swap_portion *portion = &swaps->portion[k];
+        if (portion->count > 0) memcpy(swaps->swap + swaps->count, portion->swap, portion->count * sizeof *swaps->swap);
+        swaps->count += portion->count;
+    }
+    return status;
+}
+
+/* Notes where each block's swaps begin. */
+static void lay_swaps(const tides_renderer *renderer, struct td_swaps *swaps) {
     const size_t blocks = (size_t)renderer->stats.tiles * TD_TILE_BLOCKS;
-    if (swaps->count == 0) return TIDES_OK;
-    if (swaps->count > INT32_MAX)
-        return td_fail(error, TIDES_NO_MEMORY, "swaps of depth: too many in one step; use shorter steps");
-    qsort(swaps->swap, swaps->count, sizeof *swaps->swap, by_place);
     size_t i = 0;
+    if (swaps->count == 0) return;
     for (size_t b = 0; b <= blocks; b++) {
         while (i < swaps->count && (size_t)swaps->swap[i].block < b) i++;
         swaps->first[b] = (int32_t)i;
     }
-    return TIDES_OK;
+}
+
+/* Fewest tiles that are worth a thread of their own. */
+enum { FEWEST_TILES = 4 };
+
+/* Searches all tiles, in portions that the pool's threads share. */
+static tides_status search_tiles(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at,
+                                 tides_error *error) {
+    searching all = {renderer, swaps, at, td_pool_portions(renderer->pool, renderer->stats.tiles, FEWEST_TILES)};
+    tides_status status = reserve_portions(swaps, all.portions, error);
+    if (status != TIDES_OK) return status;
+    td_pool_run(renderer->pool, all.portions, search, &all);
+    status = join(swaps, all.portions, error);
+    if (status == TIDES_OK) lay_swaps(renderer, swaps);
+    return status;
 }
 
 tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
@@ -409,9 +480,7 @@ tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajec
     status = td_swaps_move(renderer, swaps, &at, error);
     if (status != TIDES_OK) return status;
     if (!find_who_may(renderer, swaps, &at)) return status;
-    for (int tile = 0; tile < renderer->stats.tiles && status == TIDES_OK; tile++)
-        if (renderer->candidates.moving[tile]) status = look_in(renderer, swaps, &at, tile, error);
-    return status == TIDES_OK ? lay_swaps(renderer, swaps, error) : status;
+    return search_tiles(renderer, swaps, &at, error);
 }
 
 int td_renderer_swaps_cut(const tides_renderer *renderer) {

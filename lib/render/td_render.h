@@ -12,6 +12,7 @@
 #endif
 #include "kernels/layout.h"
 #include "td_base.h"
+#include "td_pool.h"
 #include "tides/render.h"
 
 /* -- times ----------------------------------------------------------------------------------------------------------------- */
@@ -31,6 +32,10 @@ tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_er
 /* Allows interpolated rows of expensive motion models, from the next sweep on. The error of log_luminance must stay below
  * `tolerance` and, if time_tolerance_s > 0, that of times below this. */
 tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
+
+/* Lets a pool's threads share the work of the host. The pool is borrowed and must outlive the work. Results don't depend on
+ * it. */
+void td_renderer_share(tides_renderer *renderer, td_pool *pool);
 
 /* -- stopping -------------------------------------------------------------------------------------------------------------- */
 

@@ -186,6 +186,7 @@ struct tides_renderer {
     int row_limit;      /* rows of dynamic Gaussians at a time */
     int record_limit;   /* records per launch */
     tides_device *device;
+    td_pool *pool; /* whose threads share the host's work, borrowed; NULL: the calling thread does all */
     const tides_scene *scene;
     td_image image;
     td_store store;

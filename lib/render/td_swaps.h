@@ -42,6 +42,19 @@ typedef struct td_swap_samples {
     const td_view *view;
 } td_swap_samples;
 
+/* A portion of the tiles, which one thread searches: its swaps, sorted by block, then time, and scratch of one tile. */
+typedef struct td_swap_portion {
+    td_swap *swap; /* (count) */
+    size_t count, swap_capacity;
+    int tiles_cut;               /* tiles whose pairs were too many to be searched all */
+    td_swap_splat *splat;        /* of a tile */
+    const td_swap_splat **order; /* these, sorted */
+    double *depth;               /* their depths and rates */
+    size_t splat_capacity, order_capacity, depth_capacity;
+    tides_status status;
+    tides_error error;
+} td_swap_portion;
+
 struct td_swaps {
     float *extent;   /* (store.count) half-axis of the visible ellipsoid, in the object's units */
     int *group;      /* (objects) number of its rigid body; -1: its path isn't known */
@@ -52,11 +65,10 @@ struct td_swaps {
     size_t view_capacity;
     td_swap *swap; /* (count) sorted by block, then time */
     size_t count, swap_capacity;
-    int tiles_cut;        /* tiles whose pairs were too many to be searched all */
-    int32_t *first;       /* (blocks + 1) */
-    td_swap_splat *splat; /* of a tile */
-    double *depth;        /* their depths and rates */
-    size_t splat_capacity, depth_capacity;
+    int tiles_cut;            /* of all portions */
+    int32_t *first;           /* (blocks + 1) */
+    td_swap_portion *portion; /* (portions) */
+    size_t portions;
     int32_t *mover;     /* (store.count) number of a splat among those that motion models move, or -1 */
     int moves;          /* how many */
     td_swap_move *move; /* (moves x samples) */
@@ -66,7 +78,8 @@ struct td_swaps {
 
 /* A tile whose pairs are checked, and the status so far. */
 typedef struct td_swap_tile {
-    struct td_swaps *swaps;
+    const struct td_swaps *swaps;
+    td_swap_portion *portion; /* that the tile is in */
     const td_image *image;
     const td_swap_samples *at;
     int tile, corner[2]; /* corner: its first pixel */

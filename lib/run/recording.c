@@ -92,7 +92,8 @@ int td_record_take(void *user, const tides_event *events, size_t count) {
     td_record *r = user;
     r->whole = 1;
     const int64_t *fired = r->simulator ? tides_simulator_fired(r->simulator) : NULL;
-    tides_status status = tides_event_writer_append(r->writer, events, fired, count, &r->cause);
+    td_pool *pool = r->simulator ? td_simulator_pool(r->simulator) : NULL;
+    tides_status status = td_event_writer_append(r->writer, events, fired, count, pool, &r->cause);
     if (status == TIDES_OK) r->done->events += count;
     return status;
 }

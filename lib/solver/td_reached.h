@@ -2,6 +2,7 @@
 #ifndef TD_REACHED_H
 #define TD_REACHED_H
 
+#include "td_pool.h"
 #include "tides/simulate.h"
 
 typedef struct td_reached {
@@ -11,6 +12,9 @@ typedef struct td_reached {
     int broken;     /* a step failed half way: the pixels no longer agree on the time */
 } td_reached;
 td_reached td_simulator_reached(const tides_simulator *simulator);
+
+/* The threads that share the simulator's work; a sink, in the thread that called, may let them share its own. */
+td_pool *td_simulator_pool(const tides_simulator *simulator);
 
 /* The last event that was given to the sink, in earlier parts of the run too; NULL: there was none. */
 const tides_event *td_simulator_last(const tides_simulator *simulator);

@@ -42,8 +42,12 @@ static void check(size_t size, const int kinds[8], size_t count) {
     const hid_t file = H5Fcreate("chunks", H5F_ACC_TRUNC, H5P_DEFAULT, access);
     const hid_t dataset = td_h5_create_rows(file, "values", types[size], count);
     assert_true(dataset >= 0);
-    for (size_t k = 0; k < 2; k++)
-        assert_true(td_h5_append_chunk(dataset, types[size], k * count, count, values + k * count * size, scratch) >= 0);
+    for (size_t k = 0; k < 2; k++) {
+        unsigned char *packed = NULL;
+        const unsigned char *own = values + k * count * size;
+        const size_t length = td_h5_pack_chunk(size, count, own, scratch, &packed);
+        assert_true(length > 0 && td_h5_append_chunk(dataset, types[size], k * count, count, own, packed, length) >= 0);
+    }
     assert_true(td_h5_read_rows(dataset, types[size], 0, 2 * count, read) >= 0);
     assert_memory_equal(values, read, 2 * count * size);
     H5Dclose(dataset);

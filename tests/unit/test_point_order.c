@@ -63,6 +63,31 @@ static void test_neighbours_go_together(void **state) {
     assert_in_range(boxes(places, COUNT), 30 * 4, 30 * 20);
 }
 
+/* Tiles are ordered each by itself, with any number of threads. */
+static void test_tiles_on_threads(void **state) {
+    enum { TILES = 40, MANY = 9000 };
+    static const int threads[] = {0, 1, 2, 7};
+    static td_point_place drawn[MANY], places[MANY], room[MANY], expected[MANY];
+    static int order[MANY];
+    int end[TILES];
+    (void)state;
+    draw(9, drawn, MANY);
+    for (int t = 0; t < TILES; t++) /* some have none, some few, the last ones many */
+        end[t] = t % 5 == 1 ? end[t - 1] : t == TILES - 1 ? MANY : t * t * 5;
+    memcpy(expected, drawn, sizeof expected);
+    for (int t = 0, first = 0; t < TILES; first = end[t++]) td_point_gather(expected + first, room, end[t] - first, LANES);
+    for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
+        td_pool *pool = NULL;
+        const td_point_tiles all = {places, room, end, TILES, MANY, LANES};
+        if (threads[i] > 0) assert_int_equal(td_pool_create(threads[i], &pool, NULL), TIDES_OK);
+        memcpy(places, drawn, sizeof places);
+        memset(order, -1, sizeof order);
+        td_point_gather_all(pool, &all, order);
+        for (int k = 0; k < MANY; k++) assert_int_equal(order[k], expected[k].which);
+        td_pool_release(pool);
+    }
+}
+
 /* Points of one pixel go by time. */
 static void test_one_pixel_by_time(void **state) {
     (void)state;
@@ -77,6 +102,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_each_goes_once),
         cmocka_unit_test(test_neighbours_go_together),
+        cmocka_unit_test(test_tiles_on_threads),
         cmocka_unit_test(test_one_pixel_by_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -43,6 +43,7 @@ static void test_every_part_once(void **state) {
         for (int round = 0; round < 200; round++) run(pool, &c, round % PARTS);
         run(pool, &c, PARTS);
         for (int k = 0; k < PARTS && threads[i] == 1; k++) assert_true(pthread_equal(c.by[k], c.caller));
+        assert_true(threads[i] > 1 ? td_pool_shared_time(pool) > 0 : !(td_pool_shared_time(pool) > 0));
         td_pool_release(pool);
     }
 }
@@ -53,6 +54,21 @@ static void test_without_a_pool(void **state) {
     run(NULL, &c, PARTS);
     assert_int_equal(td_pool_threads(NULL), 1);
     td_pool_release(NULL);
+}
+
+/* Portions cover all things once, in order, and none is shared out that isn't worth it. */
+static void test_portions(void **state) {
+    td_pool *pool = NULL;
+    (void)state;
+    assert_int_equal(td_pool_create(3, &pool, NULL), TIDES_OK);
+    assert_int_equal(td_pool_portions(NULL, 1000, 1), 1);
+    assert_int_equal(td_pool_portions(pool, 19, 10), 1);
+    assert_int_equal(td_pool_portions(pool, 20, 10), 2);
+    assert_int_equal(td_pool_portions(pool, 1000000, 10), 12);
+    assert_int_equal(td_pool_begin(1000, 12, 0), 0);
+    for (int k = 0; k < 12; k++) assert_true(td_pool_begin(1000, 12, k) < td_pool_begin(1000, 12, k + 1));
+    assert_int_equal(td_pool_begin(1000, 12, 12), 1000);
+    td_pool_release(pool);
 }
 
 /* The parent's threads aren't there: the child does the work by itself, and ends. */
@@ -82,6 +98,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_part_once),
         cmocka_unit_test(test_without_a_pool),
+        cmocka_unit_test(test_portions),
         cmocka_unit_test(test_a_child_does_without),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

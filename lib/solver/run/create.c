@@ -240,6 +240,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);
     if (status == TIDES_OK) status = td_solve_create(s, error);
     if (status == TIDES_OK) status = td_sharing_create(&s->sharing, tides_device_threads(device), error);
+    td_renderer_share(s->renderer, s->sharing.pool);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;

@@ -76,4 +76,6 @@ td_reached td_simulator_reached(const tides_simulator *s) {
     return (td_reached){s->step, td_grid_time(s, s->step), s->started, s->broken};
 }
 
+td_pool *td_simulator_pool(const tides_simulator *s) { return s->sharing.pool; }
+
 const tides_event *td_simulator_last(const tides_simulator *s) { return s->packet.last.polarity ? &s->packet.last : NULL; }

@@ -2,15 +2,13 @@
 #include "td_extremes.h"
 #include "solver/td_simulator.h"
 
+#include <limits.h>
 #include <stdlib.h>
-
-/* Portions per thread: units take different times, and a thread that has finished one portion takes the next. */
-enum { PORTIONS_EACH = 4 };
 
 tides_status td_sharing_create(td_sharing *sharing, int threads, tides_error *error) {
     tides_status status = td_pool_create(threads, &sharing->pool, error);
     if (status != TIDES_OK || td_pool_threads(sharing->pool) < 2) return status;
-    sharing->count = PORTIONS_EACH * td_pool_threads(sharing->pool);
+    sharing->count = td_pool_portions(sharing->pool, INT_MAX, 1);
     sharing->portion = td_alloc((size_t)sharing->count, sizeof *sharing->portion, error);
     return sharing->portion ? TIDES_OK : TIDES_NO_MEMORY;
 }
@@ -62,8 +60,6 @@ typedef struct shared {
     int units, portions;
 } shared;
 
-static int begin_of(const shared *all, int portion) { return (int)((int64_t)all->units * portion / all->portions); }
-
 static void clear(const tides_simulator *s, td_portion *portion) {
     const td_timing *known = &s->done.timing;
     td_work_clear(&portion->work);
@@ -79,7 +75,8 @@ static void work_on(void *user, int k) {
     const shared *all = user;
     td_portion *portion = &all->s->sharing.portion[k];
     clear(all->s, portion);
-    portion->status = all->worker(all->s, portion, begin_of(all, k), begin_of(all, k + 1), all->user, &portion->error);
+    const int first = td_pool_begin(all->units, all->portions, k), end = td_pool_begin(all->units, all->portions, k + 1);
+    portion->status = all->worker(all->s, portion, first, end, all->user, &portion->error);
 }
 
 static tides_status run_alone(tides_simulator *s, int count, td_portion_worker worker, const void *user, tides_error *error) {
@@ -90,13 +87,11 @@ static tides_status run_alone(tides_simulator *s, int count, td_portion_worker w
 tides_status td_share_out(tides_simulator *s, int count, int fewest, td_portion_worker worker, const void *user,
                           tides_error *error) {
     td_sharing *sharing = &s->sharing;
-    shared all = {s, worker, user, count, count / fewest < sharing->count ? count / fewest : sharing->count};
+    shared all = {s, worker, user, count, td_pool_portions(sharing->pool, count, fewest)};
     tides_status status = TIDES_OK;
     if (count <= 0) return status;
-    if (all.portions < 2 || td_pool_threads(sharing->pool) < 2) return run_alone(s, count, worker, user, error);
-    const double own = td_own_time();
+    if (all.portions < 2) return run_alone(s, count, worker, user, error);
     td_pool_run(sharing->pool, all.portions, work_on, &all);
-    s->totals.here.time_alone_s -= td_own_time() - own;
     for (int k = 0; k < all.portions && status == TIDES_OK; k++) {
         td_portion *portion = &sharing->portion[k];
         status = join(s, portion, error);
