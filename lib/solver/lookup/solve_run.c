@@ -120,7 +120,7 @@ static tides_status ask_ends(const td_visit *v, tides_error *error) {
 
 /* Requests the place of change n. If looks at such places haven't settled it, the middle of its piece is requested too. Where
  * the value at an end is off, the cubic bends towards that end, and each look there finds the crossing only a little further
- * on. */
+ * on: the step's end is requested itself, by settled pixels alone (ask_ends). */
 static tides_status ask_change(const td_visit *v, int n, tides_error *error) {
     const td_pieces *pieces = &v->model.pieces;
     const double at = v->changes.change[n].s;
@@ -128,7 +128,8 @@ static tides_status ask_change(const td_visit *v, int n, tides_error *error) {
     if (status != TIDES_OK || v->looked->looks < FIND_BY_PLACE) return status;
     const int k = td_pieces_find_from(pieces, 0, at);
     const double middle = 0.5 * (pieces->from[k] + pieces->from[k + 1]);
-    return fabs(middle - at) > TD_SOLVE_APART ? ask(v, middle, error) : status;
+    if (k + 1 == pieces->count && v->model.end > 0 && v->settles) status = ask(v, 1, error);
+    return status == TIDES_OK && fabs(middle - at) > TD_SOLVE_APART ? ask(v, middle, error) : status;
 }
 
 /* Requests places within swaps of depth. Where no more looks are allowed, they count as doubts. */
