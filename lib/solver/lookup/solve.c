@@ -75,6 +75,7 @@ tides_status td_solve_create(tides_simulator *s, tides_error *error) {
     if (!solve->known) return TIDES_NO_MEMORY;
     solve->is_exact = !td_renderer_points_rounded(s->renderer);
     solve->samples = s->done.timing.rounding + TD_SOLVE_SAMPLES;
+    solve->dark = TD_SOLVE_DARK * s->done.timing.epsilon;
     solve->enough = ENOUGH;
     solve->target_s = s->given.time_tolerance_s > 0 ? s->given.time_tolerance_s : default_target_s;
     return TIDES_OK;
@@ -146,7 +147,9 @@ static tides_status find_active(const tides_simulator *s, td_solve_portion *solv
     if (status != TIDES_OK) return status;
     td_trust *trust = solve->trust + row * pixels;
     td_solve_first_trust(s, refined, at->span.length_s, 0, tile->count, trust);
-    for (int32_t i = 0; i < tile->count; i++) widen[i] = trust[i].error + s->solve.samples + doubt[i];
+    for (int32_t i = 0; i < tile->count; i++)
+        widen[i] =
+            trust[i].error + td_solve_sample_error(&s->solve, td_lesser(at->signals.S0[i], at->signals.S1[i])) + doubt[i];
     td_solve_widen_swapped(s, refined, &at->signals, widen);
     td_sensor_find(&s->sensor, &at->span, tile, first, &at->signals, widen, active);
     td_sensor_reaches(&s->sensor, &at->span, tile, first, &at->signals, widen, solve->reaches + row * pixels);

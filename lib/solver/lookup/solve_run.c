@@ -42,7 +42,7 @@ static int may_act(const td_visit *v) {
     if (v->looked->looks > 0) return 1;
     const double swapped =
         td_solve_swapped(v->s, &v->s->refine.step[v->looked->step], v->pixel->local, td_lesser(at->S0, at->S1));
-    const double widen = v->looked->trust.error + v->s->solve.samples + swapped;
+    const double widen = v->looked->trust.error + td_solve_sample_error(&v->s->solve, td_lesser(at->S0, at->S1)) + swapped;
     uint8_t active = 0;
     td_sensor_find(&v->s->sensor, &v->now->span, &one, v->at, &own, &widen, &active);
     return active;
@@ -57,9 +57,9 @@ static void take_nodes(td_visit *v) {
 /* Adds the errors of the model beside its pieces: of samples at the step's ends, and of rounding. */
 static void take_rounding(td_visit *v) {
     const tides_simulator *s = v->s;
-    const double samples = s->solve.samples;
-    v->model.start = v->looked->known_ends & TD_KNOWS_START ? 0 : samples;
-    v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : samples;
+    const td_ends *at = &v->looked->ends;
+    v->model.start = v->looked->known_ends & TD_KNOWS_START ? 0 : td_solve_sample_error(&s->solve, at->S0);
+    v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : td_solve_sample_error(&s->solve, at->S1);
     v->model.floor = s->solve.is_exact ? TD_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
                                        : td_timing_rounding(&s->done.timing, &s->layout.unit[v->pixel->unit],
                                                             v->now->signals.S1, v->pixel->local);
