@@ -23,6 +23,7 @@
 
 #include "signal/td_step.h"
 #include "td_look_up.h"
+#include "td_math.h"
 #include "td_nodes.h"
 
 /* A step that is being solved. */
@@ -39,7 +40,8 @@ typedef struct td_solve {
     int32_t unsolved; /* TIDES_UNSOLVED_* */
     int is_exact;     /* 1: look-ups are in double precision throughout */
     double target_s;  /* accuracy of times at which an event is settled [s] */
-    double samples;   /* error of samples beside looked-up values [log units] */
+    double samples;   /* error of samples beside looked-up values [log units], */
+    double dark;      /* and that of their light, which counts in dark pixels */
     uint64_t lookups; /* number of look-ups */
     double *known;    /* (pixels) 1 where the reference was looked up */
     int kept;         /* the renderer has kept the run's start */
@@ -76,5 +78,11 @@ TIDES_MUST_CHECK tides_status td_solve_still(tides_simulator *s, const td_step *
 
 /* Estimates at the end of a macro step the errors of its events' times, from a sample of them. */
 TIDES_MUST_CHECK tides_status td_solve_measure(tides_simulator *s, tides_error *error);
+
+/* The error of a sample whose log_luminance is S. A dark pixel's is larger by the error of its light. */
+static inline double td_solve_sample_error(const td_solve *solve, double S) {
+    const double darker = -3; /* elsewhere that is below 5e-6, a quarter of the other errors */
+    return S < darker ? solve->samples + solve->dark * td_exp(-S) : solve->samples;
+}
 
 #endif

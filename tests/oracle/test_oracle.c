@@ -94,7 +94,9 @@ static void test_few_are_lost(void **state) {
  * beyond a clamp of colour, where its tangents met beside its end (lamps 205). A swap that hid a turn after a look in either
  * half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights 403). At
  * srgb, a splat that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it again,
- * where the event was found 0.4 ms late (fade 301). */
+ * where the event was found 0.4 ms late (fade 301). An object that leaps: the oracle's samples missed a pair of events of splats
+ * that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a step, short of
+ * which a crossing was sought in vain (taper 404). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;
@@ -105,7 +107,8 @@ static void test_mended(void **state) {
     } scenes[] = {{"sweep", 6, SHARE, 1000, 0}, {"crowd", 3, SHARE, 1000, 0}, {"leap", 2, 0.25, 60, 0},
                   {"leap", 111, 0.25, 100, 0},  {"stops", 105, 0.25, 700, 0}, {"stops", 203, 0.3, 800, 0},
                   {"stops", 205, 0.3, 100, 0},  {"lamps", 205, 0.3, 1000, 0}, {"spin", 401, 1, 1000, 0},
-                  {"spin", 211, 0.3, 30, 0},    {"lights", 403, 1, 1000, 0},  {"fade", 301, 0.3, 200, 1}};
+                  {"spin", 211, 0.3, 30, 0},    {"lights", 403, 1, 1000, 0},  {"fade", 301, 0.3, 200, 1},
+                  {"leap", 704, 1, 20000, 0},   {"taper", 404, 1, 90000, 0}};
     (void)state;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         trial_options options = trial_defaults();

@@ -27,7 +27,8 @@ void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
     for (int32_t i = 0; i < tile->count; i++) {
         doubt[i] = 0;
         if (known[first + (size_t)i] == 0)
-            doubt[i] = s->solve.samples + ROUNDINGS * td_timing_rounding(&s->done.timing, tile, rest, i);
+            doubt[i] =
+                td_solve_sample_error(&s->solve, rest[i]) + ROUNDINGS * td_timing_rounding(&s->done.timing, tile, rest, i);
     }
 }
 
@@ -89,7 +90,7 @@ static tides_status ask_still(tides_simulator *s, int t, const td_step *span, do
     uint8_t active[TD_TILE_PIXELS] = {0};
     tides_status status = TIDES_OK;
     td_solve_doubt(s, t, widen);
-    for (int32_t i = 0; i < tile->count; i++) widen[i] += s->solve.samples;
+    for (int32_t i = 0; i < tile->count; i++) widen[i] += td_solve_sample_error(&s->solve, S[i]);
     td_sensor_find(&s->sensor, span, tile, s->layout.first_pixel[t], &signals, widen, active);
     for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
         if (!active[i]) continue;

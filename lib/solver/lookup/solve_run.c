@@ -44,7 +44,7 @@ static int may_act(const td_visit *v) {
     if (v->looked->looks > 0) return 1;
     const double swapped =
         td_solve_swapped(v->s, &v->s->refine.step[v->looked->step], v->pixel->local, td_lesser(at->S0, at->S1));
-    const double widen = v->looked->trust.error + v->s->solve.samples + swapped;
+    const double widen = v->looked->trust.error + td_solve_sample_error(&v->s->solve, td_lesser(at->S0, at->S1)) + swapped;
     uint8_t active = 0;
     td_sensor_find(&v->s->sensor, &v->now->span, &one, v->at, &own, &widen, &active);
     return active;
@@ -59,9 +59,9 @@ static void take_nodes(td_visit *v) {
 /* Adds the errors of the model beside its pieces: of samples at the step's ends, and of rounding. */
 static void take_rounding(td_visit *v) {
     const tides_simulator *s = v->s;
-    const double samples = s->solve.samples;
-    v->model.start = v->looked->known_ends & TD_KNOWS_START ? 0 : samples;
-    v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : samples;
+    const td_ends *at = &v->looked->ends;
+    v->model.start = v->looked->known_ends & TD_KNOWS_START ? 0 : td_solve_sample_error(&s->solve, at->S0);
+    v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : td_solve_sample_error(&s->solve, at->S1);
     v->model.floor = s->solve.is_exact ? TD_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
                                        : td_timing_rounding(&s->done.timing, &s->layout.unit[v->pixel->unit],
                                                             v->now->signals.S1, v->pixel->local);
@@ -122,7 +122,7 @@ static tides_status ask_ends(const td_visit *v, tides_error *error) {
 
 /* Requests the place of change n. If looks at such places haven't settled it, the middle of its piece is requested too. Where
  * the value at an end is off, the cubic bends towards that end, and each look there finds the crossing only a little further
- * on. */
+ * on: the step's end is requested itself, by settled pixels alone (ask_ends). */
 static tides_status ask_change(const td_visit *v, int n, tides_error *error) {
     const td_pieces *pieces = &v->model.pieces;
     const double at = v->changes.change[n].s;
@@ -130,7 +130,8 @@ static tides_status ask_change(const td_visit *v, int n, tides_error *error) {
     if (status != TIDES_OK || v->looked->looks < FIND_BY_PLACE) return status;
     const int k = td_pieces_find_from(pieces, 0, at);
     const double middle = 0.5 * (pieces->from[k] + pieces->from[k + 1]);
-    return fabs(middle - at) > TD_SOLVE_APART ? ask(v, middle, error) : status;
+    if (k + 1 == pieces->count && v->model.end > 0 && v->settles) status = ask(v, 1, error);
+    return status == TIDES_OK && fabs(middle - at) > TD_SOLVE_APART ? ask(v, middle, error) : status;
 }
 
 /* Requests places within swaps of depth. Where no more looks are allowed, they count as doubts. */
