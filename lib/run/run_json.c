@@ -24,12 +24,6 @@ static tides_status check_value(const tides_param *row, const cJSON *value, cons
     return is_rig ? td_rig_check(value, where, error) : td_param_check(row, value, where, error);
 }
 
-int32_t td_is_repeated(const cJSON *item) {
-    for (const cJSON *other = item->next; other; other = other->next)
-        if (strcmp(other->string, item->string) == 0) return 1;
-    return 0;
-}
-
 /* Reads one object of the file; `group` is its dotted key ("" at the top). Recursion ends with the table's groups. */
 static tides_status read_object(tides_run *run, const cJSON *object, const char *group, tides_error *error) {
     const cJSON *item;

@@ -141,6 +141,12 @@ static tides_status check_object_path(const char *key, const cJSON *item, const 
     return td_param_check(&row, item, where, error);
 }
 
+int32_t td_is_repeated(const cJSON *item) {
+    for (const cJSON *other = item->next; other; other = other->next)
+        if (strcmp(other->string, item->string) == 0) return 1;
+    return 0;
+}
+
 /* Checks a key of an entry of scene.objects; `name` is "scene.objects[i]". */
 static tides_status check_object_key(const char *name, const cJSON *item, const char *where, tides_error *error) {
     static const char *const known[] = {"file", "trajectory", "scale", "part", "time_unit", "duration_s", "start_s", NULL};

@@ -94,7 +94,7 @@ static void test_few_are_lost(void **state) {
  * beyond a clamp of colour, where its tangents met beside its end (lamps 205). A swap that hid a turn after a look in either
  * half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights 403). At
  * srgb, a splat that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it again,
- * where the event was found 0.4 ms late (fade 301). An object that leaps: the oracle's samples missed a pair of events of splats
+ * where the event was found 0.4 ms late (fade 301). An object that leaps: the oracle's samples missed two events of splats
  * that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a step, short of
  * which a crossing was sought in vain (taper 404). */
 static void test_mended(void **state) {

@@ -20,7 +20,7 @@ enum { ENOUGH = 1 << 14 };
 #define LEFT_OUT 1e-5
 
 /* Units in the last place of 1 by which the light of a sample in single precision may be off: weights of splats are differences
- * of transmittances near 1. Two events were wrong by samples that were off by 1.3 and 2.5 (check_lost, taper 404 and 1111: faint
+ * of transmittances near 1. Two events were wrong, where samples were off by 1.3 and 2.5 (check_lost, taper 404 and 1111: faint
  * splats before black). */
 #define IN_THE_DARK 4
 
