@@ -47,7 +47,7 @@ static tides_status compare_units(tides_simulator *s, tides_error *error) {
     td_step step;
     double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     if (s->given.slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
-    if (s->surround.surround.on) return td_surround_compare(s, start, stop, NULL, error);
+    if (s->given.coupled) return td_surround_compare(s, start, stop, NULL, error);
     tides_status status = td_grid_step(&s->grid, start, stop, &step, error);
     if (status == TIDES_OK) status = td_share_out(s, s->moving.count, TD_FEWEST_UNITS, compare_some, &step, error);
     return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
