@@ -34,9 +34,13 @@ static const double askew = 1.5;
 /* Allowance for splats whose colour depends on the view: their light may differ by this share beside the constant terms. */
 static const double by_view = 0.1;
 
-/* Possible partners of a splat in a swap. MAY_SWAP: only splats of other bodies; MAY_SHORTLY: also of its own body, if the
- * swap is short; MAY_ALONE: also of its own body. */
-enum { MAY_NOT, MAY_SWAP, MAY_SHORTLY, MAY_ALONE };
+/* Splats of a tile in which slow swaps within a body, and of splats that motion models move, are searched too. In denser tiles
+ * the search would take 20 % of the demo's time, and each splat counts for less. */
+enum { FEW_SPLATS = 128 };
+
+/* Possible partners of a splat in a swap. MAY_SWAP: only splats of other bodies; MAY_SLOWLY: in tiles with few splats also of
+ * its own body; MAY_SHORTLY: also of its own body, if the swap is short; MAY_ALONE: also of its own body. */
+enum { MAY_NOT, MAY_SWAP, MAY_SLOWLY, MAY_SHORTLY, MAY_ALONE };
 
 /* -- making and freeing ------------------------------------------------------------------------------------------------ */
 
@@ -203,9 +207,12 @@ static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, 
         if (alone && !(swaps->turning[object] > 0)) continue;
         const double z = depth_at(&at->view[object], store->geometry + (size_t)g * TD_GEOMETRY_STRIDE + TD_G_MEAN);
         const int strays_far = swaps->turning[object] * (double)swaps->extent[g] >= share * fabs(z);
-        const int is_short = TD_SWAP_SLOW_WITHIN * swaps->turned[object] * reach_of(renderer, swaps, g, z) >= share * fabs(z);
-        swaps->may[g] = (uint8_t)(strays_far ? MAY_ALONE : is_short ? MAY_SHORTLY : MAY_SWAP);
-        any |= strays_far || is_short || !alone;
+        const double sway = swaps->turned[object] * reach_of(renderer, swaps, g, z), least = share * fabs(z);
+        const int turns = sway * TD_SWAP_SLOW_WITHIN >= least ? MAY_SHORTLY
+                          : sway * TD_SWAP_SLOW >= least      ? MAY_SLOWLY
+                                                              : MAY_SWAP;
+        swaps->may[g] = (uint8_t)(strays_far ? MAY_ALONE : turns);
+        any |= swaps->may[g] > MAY_SWAP || !alone;
     }
     return any;
 }
@@ -273,23 +280,27 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
     to->z_dot = z_dot;
 }
 
+/* Of a tile with so many splats, those that are searched for swaps within their bodies are this or more. */
+static int least_within(int splats) { return splats <= FEW_SPLATS ? MAY_SLOWLY : MAY_SHORTLY; }
+
 /* Takes the splats of a tile's list that may swap. Takes none if all are of one body within which no swap is possible. */
 static tides_status take_splats(const tides_renderer *renderer, td_swap_tile *of, int *count, int *bodies, int *within) {
     const struct td_swaps *swaps = of->swaps;
     td_swap_portion *to = of->portion;
     const int tile = of->tile, *first = renderer->candidates.first, *list = renderer->candidates.list;
     const size_t each = 2 * ((size_t)of->at->parts + 1);
-    int group = 0, some = 0;
+    int group = 0, some = 0, most = MAY_NOT;
     *count = *bodies = *within = 0;
     for (int i = first[tile]; i < first[tile + 1]; i++) {
         const int g = list[i];
         if (g < 0 || swaps->may[g] == MAY_NOT) continue;
         const int own = group_of(renderer, swaps, g);
-        *within |= swaps->may[g] >= MAY_SHORTLY;
+        if (swaps->may[g] > most) most = swaps->may[g];
         *bodies |= some > 0 && own != group;
         group = own;
         some++;
     }
+    *within = most >= least_within(some);
     if (!*within && !*bodies) return TIDES_OK;
     tides_status status = td_renew((void **)&to->splat, &to->splat_capacity, (size_t)some, sizeof *to->splat, of->error);
     if (status == TIDES_OK)
@@ -307,6 +318,9 @@ static tides_status take_splats(const tides_renderer *renderer, td_swap_tile *of
 
 /* -------------------------------------------------------------------------------------------------------------------------- */
 
+/* The longest swap within a body, or of a splat that a motion model moves, that is searched in a tile with so many splats. */
+static double slow_in(int splats) { return splats <= FEW_SPLATS ? TD_SWAP_SLOW : TD_SWAP_SLOW_WITHIN; }
+
 /* Checks pairs of splats of different bodies. */
 static void look_across(td_swap_tile *of, const td_swap_splat *const *all, int count, double near) {
     int pairs = 0;
@@ -315,7 +329,7 @@ static void look_across(td_swap_tile *of, const td_swap_splat *const *all, int c
         const double far = a->most + near * fabs(a->most);
         for (int j = i + 1; j < count && all[j]->least <= far && pairs < MOST_PAIRS; j++, pairs++)
             if (a->group != all[j]->group)
-                td_swaps_look_at(of, a, all[j], a->move || all[j]->move ? TD_SWAP_SLOW_WITHIN : TD_SWAP_SLOW);
+                td_swaps_look_at(of, a, all[j], a->move || all[j]->move ? slow_in(count) : TD_SWAP_SLOW);
     }
     of->is_cut |= pairs == MOST_PAIRS;
 }
@@ -337,14 +351,14 @@ static void look_within(td_swap_tile *of, const td_swap_splat *const *all, int c
     int pairs = 0;
     for (int i = 0; i < count && of->status == TIDES_OK; i++) {
         const td_swap_splat *a = all[i];
-        if (a->may < MAY_SHORTLY) continue;
+        if (a->may < least_within(count)) continue;
         const double reach = 2 * a->sway + near * fabs(a->z[0]);
         for (int side = -1; side <= 1; side += 2)
             for (int j = i + side; j >= 0 && j < count && pairs < MOST_PAIRS; j += side, pairs++) {
                 const td_swap_splat *b = all[j];
                 if (b->group != a->group || fabs(b->z[0] - a->z[0]) > reach) break;
-                if (b->may >= MAY_SHORTLY && (b->sway > a->sway || (b->sway == a->sway && j < i))) continue;
-                const double slow = a->may == MAY_ALONE || b->may == MAY_ALONE ? TD_SWAP_SLOW : TD_SWAP_SLOW_WITHIN;
+                if (b->may >= least_within(count) && (b->sway > a->sway || (b->sway == a->sway && j < i))) continue;
+                const double slow = a->may == MAY_ALONE || b->may == MAY_ALONE ? TD_SWAP_SLOW : slow_in(count);
                 if (!is_none(of, a, b, near, slow)) td_swaps_look_at(of, a, b, slow);
             }
     }
