@@ -68,7 +68,8 @@ static int check_names(const cli_command *command, const bench_entry *of, const 
     int code = CLI_GO;
     if (of == &everything && scenes->count + rows->count) return cli_usage(command, "all takes neither --scene nor --row");
     if (of->own_devices && scenes->count) return cli_usage(command, "--scene: %s has rows; --row chooses one", of->name);
-    if (!of->own_devices && !of->numbered && rows->count) return cli_usage(command, "--row: %s has no rows; --scene chooses a scene", of->name);
+    if (!of->own_devices && !of->numbered && rows->count)
+        return cli_usage(command, "--row: %s has no rows; --scene chooses a scene", of->name);
     for (size_t i = 0; i < scenes->count && code == CLI_GO; i++) code = check_scene(command, of, scenes->items[i]);
     for (size_t i = 0; i < rows->count && code == CLI_GO; i++) code = check_row(command, of, rows->items[i]);
     return code;
@@ -116,7 +117,8 @@ int bench_main(const cli_command *command, const bench_list *all, int argc, char
         {"--output", 'o', "DIR", "where results go (tides-bench)", NULL, &directory, NULL},
         {"--quick", 0, NULL, "small scenes and few settings: a look, not a measurement", &quick, NULL, NULL},
         {"--scene", 0, "NAME", "only this scene, or a trained .ply file; may be repeated", NULL, NULL, &scenes},
-        {"--row", 0, "NAME", "of benchmarks that have rows: only this one (of calibrate: a sensor, 0 to 39); may be repeated", NULL, NULL, &rows},
+        {"--row", 0, "NAME", "of benchmarks that have rows: only this one (of calibrate: a sensor, 0 to 39); may be repeated",
+         NULL, NULL, &rows},
         {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &theme, NULL},
         {"--pictures", 0, "FORMAT", CANVAS_PICTURES_HELP, NULL, &pictures, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
