@@ -76,6 +76,7 @@ typedef struct bench {
     const char *directory;
     canvas_style style; /* of pictures */
     int32_t quick;
+    const cli_list *rows; /* of --row */
     int32_t float_truth; /* 1: exact streams come from the measured device: faster, good to some 10 ns */
     tides_device *device;
     tides_device_info info;
@@ -177,6 +178,8 @@ typedef struct bench_table {
     int32_t (*cells)(const void *rows, size_t index, bench_cell cells[BENCH_CELLS_MAX]); /* how many */
 } bench_table;
 tides_status bench_write_table(const bench *b, const char *name, cJSON *header, const bench_table *table, tides_error *error);
+/* NAME.csv alone, as of now: a long run writes it as its rows end. */
+tides_status bench_write_csv(const bench *b, const char *name, const bench_table *table, tides_error *error);
 tides_status bench_path(const bench *b, const char *name, const char *ending, char *path, size_t size, tides_error *error);
 
 /* bench_summary.c: run time and renders that a method needs for a target, interpolated between its settings. */

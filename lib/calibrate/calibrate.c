@@ -2,6 +2,7 @@
  *
  *   recording.c, bursts.c   the stretch's events by pixel; those of frames' readout are marked
  *   light.c                 Y of pixels with events, sampled so that lines between samples are within 0.004 log units
+ *   between.c               cubics between frames
  *   pairs.c, changes.c      by how much the low-passed logarithm moved from event to event
  *   fit.c                   the front end by which these changes agree best
  *   spread.c, noise.c       mismatch, transitions, hot and dead pixels; leak and noise of pixels at rest
@@ -59,7 +60,7 @@ static void note_counts(const td_calibration *c, tides_calibration *found) {
     found->burst_events = c->taken.in_bursts;
     found->bursts = c->taken.bursts;
     found->pixels = c->light.count;
-    found->samples = (int32_t)c->light.samples;
+    found->samples = (int32_t)((c->light.samples - 1) / (size_t)c->light.finer + 1);
 }
 
 /* 1 where the fit is good enough to simulate with. */

@@ -54,61 +54,55 @@ static void halves(td_calibration *c, const td_fit *whole, tides_calibration *fo
     }
 }
 
-/* Pixels with low thresholds fire more often, so that a median over events is low by the relative variance of thresholds. The
- * unknown part of that variance is an error of the thresholds. */
-static double spread_doubt(const td_calibration *c) {
-    const double mean = 0.5 * (c->raw.on + c->raw.off);
-    return c->spread.known ? c->spread.error / (mean * mean) : TD_USUAL_VARIANCE;
-}
-
 static void add_error(tides_calibrated *v, double more) {
     if (more == more) v->error = sqrt(v->error * v->error + more * more);
 }
 
-/* Simulations that the bias was taken from scatter as the recording does. */
+/* Simulations that the bias was taken from scatter as the recording does. Pixels with low thresholds fire more often, so that a
+ * median over events is low by the relative variance of thresholds: its doubt is an error of the thresholds. */
 static tides_status scatter(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
     double one[TIDES_CALIBRATED_VALUES];
     const double times = sqrt(1 + (c->rounds ? 1.0 / c->rounds : 0));
     tides_status status = td_scatter(c, whole, one, &found->correlation, error);
     for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES && status == TIDES_OK; i++)
         if (is_fitted(i)) found->values[i].error = times * one[i];
-    add_error(&found->values[TIDES_CALIBRATED_ON], whole->on * spread_doubt(c));
-    add_error(&found->values[TIDES_CALIBRATED_OFF], whole->off * spread_doubt(c));
+    double doubt;
+    td_spread_used(c, &doubt);
+    add_error(&found->values[TIDES_CALIBRATED_ON], whole->on * doubt);
+    add_error(&found->values[TIDES_CALIBRATED_OFF], whole->off * doubt);
     return status;
 }
 
 /* -- light between frames -------------------------------------------------------------------------------------------------- */
 
-static tides_status thin(const td_light *light, td_light *half, tides_error *error) {
-    *half = (td_light){.count = light->count, .samples = (light->samples + 1) / 2, .pixel = light->pixel};
-    half->time = td_alloc(half->samples, sizeof *half->time, error);
-    half->Y = td_alloc(half->count * half->samples, sizeof *half->Y, error);
-    half->line = td_alloc(half->samples, sizeof *half->line, error);
-    half->decay = td_alloc(half->samples, sizeof *half->decay, error);
-    if (!half->time || !half->Y || !half->line || !half->decay) return TIDES_NO_MEMORY;
-    for (size_t k = 0; k < half->samples; k++) half->time[k] = light->time[2 * k];
-    for (size_t i = 0; i < half->count; i++)
-        for (size_t k = 0; k < half->samples; k++) half->Y[i * half->samples + k] = light->Y[i * light->samples + 2 * k];
-    return TIDES_OK;
-}
-
-/* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured once
- * more, by every other frame: what that changes counts as an error. */
-static tides_status by_fewer_frames(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
-    td_light half;
+/* The values by another light that the same frames allow: what it changes counts as an error. */
+static tides_status by_other_light(td_calibration *c, const td_fit *whole, int32_t every, int32_t straight,
+                                   tides_calibration *found, tides_error *error) {
+    td_light other;
     td_fit fit = *whole;
     double now[TIDES_CALIBRATED_VALUES], then[TIDES_CALIBRATED_VALUES];
-    if (!c->facts.frames || c->light.samples < FEW_FRAMES) return TIDES_OK;
-    const tides_status status = thin(&c->light, &half, error);
+    const tides_status status = td_light_between(&c->light, every, straight, &other, error);
     if (status == TIDES_OK) {
-        td_refine(&half, &c->pairs, &fit, c->free, c->longest_refractory_s, NULL);
+        td_refine(&other, &c->pairs, &fit, c->free, c->longest_refractory_s, NULL);
+        td_changes(&other, &c->pairs, &fit.front, NULL);
+        const td_variance spread = td_spread_of(&other, &c->pairs, &fit, &c->taken);
         values_of(whole, now);
         values_of(&fit, then);
+        now[TIDES_CALIBRATED_SIGMA] = found->values[TIDES_CALIBRATED_SIGMA].raw;
+        if (spread.known) then[TIDES_CALIBRATED_SIGMA] = sqrt(fmax(spread.value, 0));
         for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++) add_error(&found->values[i], then[i] - now[i]);
     }
-    half.pixel = NULL;
-    td_light_free(&half);
+    other.pixel = NULL;
+    td_light_free(&other);
     return status;
+}
+
+/* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured twice
+ * more: with straight lines between the frames, and with every other frame left out. */
+static tides_status between_frames(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
+    if (!c->facts.frames || c->light.samples / (size_t)c->light.finer < FEW_FRAMES) return TIDES_OK;
+    const tides_status status = by_other_light(c, whole, 1, 1, found, error);
+    return status == TIDES_OK ? by_other_light(c, whole, 2, 0, found, error) : status;
 }
 
 /* The deviation as one parameter varies and the others stay. */
@@ -134,7 +128,7 @@ tides_status td_doubt(td_calibration *c, tides_calibration *found, tides_error *
     tides_status status = td_calibrate_told(c, 0.85, "error bars", error);
     if (status == TIDES_OK) status = scatter(c, &whole, found, error);
     if (status == TIDES_OK) status = td_calibrate_told(c, 0.9, "error bars", error);
-    if (status == TIDES_OK) status = by_fewer_frames(c, &whole, found, error);
+    if (status == TIDES_OK) status = between_frames(c, &whole, found, error);
     if (status == TIDES_OK) scan(c, &whole, found);
     return status;
 }
