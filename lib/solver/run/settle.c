@@ -132,6 +132,7 @@ static tides_status keep_references(tides_simulator *s, tides_error *error) {
     return TIDES_OK;
 }
 
+/* By default td_solve_steps finds the events of all pixels here, before their samples are given back by settle_apart. */
 tides_status td_settle(tides_simulator *s, double start, double stop, int early, tides_error *error) {
     double begun = td_now();
     tides_status status = early ? keep_references(s, error) : TIDES_OK;
