@@ -9,6 +9,7 @@
 
 #include "kernels/motion.h"
 #include "td_base.h"
+#include "td_pool.h"
 #include "tides/render.h"
 
 enum {
@@ -198,6 +199,7 @@ typedef struct td_batch {
      * candidates. NULL if some candidates aren't rows of the store. */
     const td_groups *groups;
     td_pictures *pictures; /* images, all of one time, that replace the planes if the class draws; or NULL */
+    td_pool *pool;         /* whose threads share the host's work; NULL: the calling thread does all */
 } td_batch;
 
 /* Moved rows to copy to the caller: [row, row + count), row >= store.count. SH arrays are unchanged if no mover changes SH. */
