@@ -23,8 +23,8 @@ static const double steady = 0.2;
 /* Extent of a splat in standard deviations of its ellipsoid: there, a splat of opacity 1 has alpha 1/255. */
 static const double sigmas = 3.4;
 
-/* Pairs checked per tile, between bodies and within them: 10 ms of processor time each. Further pairs of a denser tile aren't
- * searched, and such tiles are counted (td_renderer_swaps_cut). */
+/* Pairs checked per tile, between bodies and within them: 10 ms of processor time each. Where a tile has more, its fainter
+ * splats aren't searched, and the tile is counted (td_renderer_swaps_cut). */
 enum { MOST_PAIRS = 1 << 20 };
 
 /* Two splats that overlap in the image at equal depth have centres at most the sum of their extents apart, times this factor
@@ -228,6 +228,13 @@ static int by_start(const void *a, const void *b) {
     return (x->box > y->box) - (x->box < y->box);
 }
 
+/* Sorts the most opaque ones first. */
+static int by_opacity(const void *a, const void *b) {
+    const td_swap_splat *x = a, *y = b;
+    if (x->opacity != y->opacity) return x->opacity > y->opacity ? -1 : 1;
+    return (x->box > y->box) - (x->box < y->box);
+}
+
 static double luminance_of(const tides_renderer *renderer, int g) {
     const td_store *store = &renderer->store;
     const size_t at = (size_t)g * (size_t)store->sh_stride;
@@ -322,7 +329,7 @@ static void look_across(td_swap_tile *of, const td_swap_splat *all, int count, d
             if (a->group != all[j].group)
                 td_swaps_look_at(of, a, &all[j], a->move || all[j].move ? slow_in(count) : TD_SWAP_SLOW);
     }
-    of->is_cut |= pairs == MOST_PAIRS;
+    of->is_full = pairs == MOST_PAIRS;
 }
 
 /* 1 if two splats of one object have no short swap. The difference of their depths deviates from a straight line by at most
@@ -353,7 +360,21 @@ static void look_within(td_swap_tile *of, const td_swap_splat *all, int count, d
                 if (!is_none(of, a, b, near, slow)) td_swaps_look_at(of, a, b, slow);
             }
     }
-    of->is_cut |= pairs == MOST_PAIRS;
+    of->is_full = pairs == MOST_PAIRS;
+}
+
+/* Checks all pairs of a kind. Where they are too many, it begins again without the fainter half of the splats. */
+static void look_at_all(td_swap_tile *of, td_swap_splat *all, int count, int (*order)(const void *, const void *),
+                        void (*look)(td_swap_tile *, const td_swap_splat *, int, double), double near) {
+    const size_t before = of->swaps->count;
+    for (;; count /= 2) {
+        qsort(all, (size_t)count, sizeof *all, order);
+        look(of, all, count, near);
+        if (!of->is_full || of->status != TIDES_OK) return;
+        of->is_cut = 1;
+        of->swaps->count = before;
+        qsort(all, (size_t)count, sizeof *all, by_opacity);
+    }
 }
 
 static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
@@ -371,14 +392,8 @@ static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swa
                        .status = status,
                        .error = error};
     if (count == 0) return status;
-    if (bodies) {
-        qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_depth);
-        look_across(&of, swaps->splat, count, near);
-    }
-    if (within) {
-        qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_start);
-        look_within(&of, swaps->splat, count, near);
-    }
+    if (bodies) look_at_all(&of, swaps->splat, count, by_depth, look_across, near);
+    if (within) look_at_all(&of, swaps->splat, count, by_start, look_within, near);
     swaps->tiles_cut += of.is_cut;
     return of.status;
 }

@@ -52,7 +52,7 @@ struct td_swaps {
     size_t view_capacity;
     td_swap *swap; /* (count) sorted by block, then time */
     size_t count, swap_capacity;
-    int tiles_cut;        /* tiles whose pairs were too many to be searched all */
+    int tiles_cut;        /* tiles whose pairs were too many to be searched all, so that fainter splats were left out */
     int32_t *first;       /* (blocks + 1) */
     td_swap_splat *splat; /* of a tile */
     double *depth;        /* their depths and rates */
@@ -71,7 +71,8 @@ typedef struct td_swap_tile {
     const td_swap_samples *at;
     int tile, corner[2]; /* corner: its first pixel */
     double contrast;     /* largest difference of Y between splats, beyond that of the constant terms */
-    int is_cut;          /* 1: it has more pairs than are searched */
+    int is_full;         /* 1: there were more pairs than are checked */
+    int is_cut;          /* 1: its fainter splats are left out for that */
     tides_status status;
     tides_error *error;
 } td_swap_tile;
