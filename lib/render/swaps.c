@@ -282,7 +282,7 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
     to->z_dot = z_dot;
 }
 
-/* Of a tile with so many splats, those that are searched for swaps within their bodies are this or more. */
+/* The least `may` of splats that are searched for swaps within their bodies, in a tile with so many splats. */
 static int least_within(int splats) { return splats <= FEW_SPLATS ? MAY_SLOWLY : MAY_SHORTLY; }
 
 /* Takes the splats of a tile's list that may swap. Takes none if all are of one body within which no swap is possible. */

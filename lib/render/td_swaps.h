@@ -13,9 +13,10 @@
 /* A smaller change of Y isn't counted as a swap. */
 #define TD_SWAP_LEAST_LIGHT 1e-5
 
-/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples; of splats of one body that
- * is seen to turn evenly, and of those that motion models move, a larger one than the other where a tile has many. Choices: demo's 50 ms took 15 %
- * longer with 0.25, 7 with 0.1, 0 so; 30 ms of `tides scene crowd` with what moves 140 % with 0.25, 25 % so. */
+/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples; of splats of one body
+ * that is seen to turn evenly, and of those that motion models move, a larger one than the other where a tile has many.
+ * Choices: demo's 50 ms took 15 % longer with 0.25, 7 with 0.1, 0 so; 30 ms of `tides scene crowd` with what moves 140 % with
+ * 0.25, 25 % so. */
 #define TD_SWAP_SLOW 0.25
 #define TD_SWAP_SLOW_WITHIN 0.05
 

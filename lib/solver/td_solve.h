@@ -276,9 +276,9 @@ void td_solve_insert(const td_solve *solve, td_looked *looked, int32_t number, d
 #define TD_SOLVE_SAMPLES 1e-5
 
 /* Units in the last place of 1 by which the light of a sample in single precision may be off: weights of splats are differences
- * of transmittances near 1. Two events were wrong by samples that were off by 1.3 and 2.5 (check_lost, taper 404 and 1111: faint
- * splats before black). It counts where log_luminance is below DARKER: elsewhere it is below 5e-6, a quarter of the
- * other errors. */
+ * of transmittances near 1. Two events were wrong by samples that were off by 1.3 and 2.5 (check_lost, taper 404 and 1111:
+ * faint splats before black). It counts where log_luminance is below DARKER: elsewhere it is below 5e-6, a quarter of the other
+ * errors. */
 #define TD_SOLVE_DARK 4
 #define TD_SOLVE_DARKER (-3.0)
 
