@@ -23,8 +23,8 @@ static const double steady = 0.2;
 /* Extent of a splat in standard deviations of its ellipsoid: there, a splat of opacity 1 has alpha 1/255. */
 static const double sigmas = 3.4;
 
-/* Pairs checked per tile, between bodies and within them: 10 ms of processor time each. Further pairs of a denser tile aren't
- * searched, and such tiles are counted (td_renderer_swaps_cut). */
+/* Pairs checked per tile, between bodies and within them: 10 ms of processor time each. Where a tile has more, its fainter
+ * splats aren't searched, and the tile is counted (td_renderer_swaps_cut). */
 enum { MOST_PAIRS = 1 << 20 };
 
 /* Two splats that overlap in the image at equal depth have centres at most the sum of their extents apart, times this factor
@@ -233,6 +233,13 @@ static int by_start(const void *a, const void *b) {
     return (x->box > y->box) - (x->box < y->box);
 }
 
+/* Sorts the most opaque ones first. */
+static int by_opacity(const void *a, const void *b) {
+    const td_swap_splat *x = *(const td_swap_splat *const *)a, *y = *(const td_swap_splat *const *)b;
+    if (x->opacity != y->opacity) return x->opacity > y->opacity ? -1 : 1;
+    return (x->box > y->box) - (x->box < y->box);
+}
+
 static double luminance_of(const tides_renderer *renderer, int g) {
     const td_store *store = &renderer->store;
     const size_t at = (size_t)g * (size_t)store->sh_stride;
@@ -280,7 +287,7 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
     to->z_dot = z_dot;
 }
 
-/* Of a tile with so many splats, those that are searched for swaps within their bodies are this or more. */
+/* The least `may` of splats that are searched for swaps within their bodies, in a tile with so many splats. */
 static int least_within(int splats) { return splats <= FEW_SPLATS ? MAY_SLOWLY : MAY_SHORTLY; }
 
 /* Takes the splats of a tile's list that may swap. Takes none if all are of one body within which no swap is possible. */
@@ -331,7 +338,7 @@ static void look_across(td_swap_tile *of, const td_swap_splat *const *all, int c
             if (a->group != all[j]->group)
                 td_swaps_look_at(of, a, all[j], a->move || all[j]->move ? slow_in(count) : TD_SWAP_SLOW);
     }
-    of->is_cut |= pairs == MOST_PAIRS;
+    of->is_full = pairs == MOST_PAIRS;
 }
 
 /* 1 if two splats of one object have no short swap. The difference of their depths deviates from a straight line by at most
@@ -362,7 +369,22 @@ static void look_within(td_swap_tile *of, const td_swap_splat *const *all, int c
                 if (!is_none(of, a, b, near, slow)) td_swaps_look_at(of, a, b, slow);
             }
     }
-    of->is_cut |= pairs == MOST_PAIRS;
+    of->is_full = pairs == MOST_PAIRS;
+}
+
+/* Checks all pairs of a kind. Where they are too many, it begins again without the fainter half of the splats. */
+static void look_at_all(td_swap_tile *of, int count, int (*order)(const void *, const void *),
+                        void (*look)(td_swap_tile *, const td_swap_splat *const *, int, double), double near) {
+    const td_swap_splat **all = of->portion->order;
+    const size_t before = of->portion->count;
+    for (;; count /= 2) {
+        qsort(all, (size_t)count, sizeof *all, order);
+        look(of, all, count, near);
+        if (!of->is_full || of->status != TIDES_OK) return;
+        of->is_cut = 1;
+        of->portion->count = before;
+        qsort(all, (size_t)count, sizeof *all, by_opacity);
+    }
 }
 
 static tides_status look_in(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at, int tile,
@@ -380,14 +402,8 @@ static tides_status look_in(const tides_renderer *renderer, const struct td_swap
                        .error = &portion->error};
     of.status = take_splats(renderer, &of, &count, &bodies, &within);
     if (of.status != TIDES_OK || count == 0) return of.status;
-    if (bodies) {
-        qsort(portion->order, (size_t)count, sizeof *portion->order, by_depth);
-        look_across(&of, portion->order, count, near);
-    }
-    if (within) {
-        qsort(portion->order, (size_t)count, sizeof *portion->order, by_start);
-        look_within(&of, portion->order, count, near);
-    }
+    if (bodies) look_at_all(&of, count, by_depth, look_across, near);
+    if (within) look_at_all(&of, count, by_start, look_within, near);
     portion->tiles_cut += of.is_cut;
     return of.status;
 }

@@ -13,9 +13,10 @@
 /* A smaller change of Y isn't counted as a swap. */
 #define TD_SWAP_LEAST_LIGHT 1e-5
 
-/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples; of splats of one body that
- * is seen to turn evenly, and of those that motion models move, a larger one than the other where a tile has many. Choices: demo's 50 ms took 15 %
- * longer with 0.25, 7 with 0.1, 0 so; 30 ms of `tides scene crowd` with what moves 140 % with 0.25, 25 % so. */
+/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples; of splats of one body
+ * that is seen to turn evenly, and of those that motion models move, a larger one than the other where a tile has many.
+ * Choices: demo's 50 ms took 15 % longer with 0.25, 7 with 0.1, 0 so; 30 ms of `tides scene crowd` with what moves 140 % with
+ * 0.25, 25 % so. */
 #define TD_SWAP_SLOW 0.25
 #define TD_SWAP_SLOW_WITHIN 0.05
 
@@ -46,7 +47,7 @@ typedef struct td_swap_samples {
 typedef struct td_swap_portion {
     td_swap *swap; /* (count) */
     size_t count, swap_capacity;
-    int tiles_cut;               /* tiles whose pairs were too many to be searched all */
+    int tiles_cut;               /* tiles whose pairs were too many: fainter splats were left out */
     td_swap_splat *splat;        /* of a tile */
     const td_swap_splat **order; /* these, sorted */
     double *depth;               /* their depths and rates */
@@ -84,7 +85,8 @@ typedef struct td_swap_tile {
     const td_swap_samples *at;
     int tile, corner[2]; /* corner: its first pixel */
     double contrast;     /* largest difference of Y between splats, beyond that of the constant terms */
-    int is_cut;          /* 1: it has more pairs than are searched */
+    int is_full;         /* 1: there were more pairs than are checked */
+    int is_cut;          /* 1: its fainter splats are left out for that */
     tides_status status;
     tides_error *error;
 } td_swap_tile;

@@ -89,16 +89,16 @@ static void test_few_are_lost(void **state) {
 }
 
 /* Scenes that failed once. Swaps within one body that a turning camera makes: one late event each, not counted as uncertain.
- * Many swaps in steps as short as min_step_s, in which no sample showed that a level was near: events 570 and 281 ns late, with
- * a reported p99 of 4 ns. Swaps of splats that keyframes move: a wrong pixel each, not counted. A cubic that passed a level
- * beyond a clamp of colour, where its tangents met beside its end (lamps 205). A swap that hid a turn after a look in either
- * half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights 403). At
- * srgb, a splat that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it again,
- * where the event was found 0.4 ms late (fade 301). An object that leaps: the oracle's samples missed two events of splats
- * that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a step, short of
- * which a crossing was sought in vain (taper 404), and turns below a level (taper 1111). Splats that keyframes have at one place at
- * both ends and in the middle of a step, and that swing between (stops 1103). Swaps within a body, and of keyframed splats, of 5
- * to 25 % of a step (stack 102, stops 1108). */
+ * Many swaps in steps as short as min_step_s, in which no sample showed that a level was near: events 570 and 281 ns late,
+ * with a reported p99 of 4 ns. Swaps of splats that keyframes move: a wrong pixel each, not counted. A cubic that passed a
+ * level beyond a clamp of colour, where its tangents met beside its end (lamps 205). A swap that hid a turn after a look in
+ * either half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights
+ * 403). At srgb, a splat that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it
+ * again, where the event was found 0.4 ms late (fade 301). An object that leaps: the oracle's samples missed a pair of events
+ * of splats that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a
+ * step, short of which a crossing was sought in vain (taper 404), and turns below a level (taper 1111). Splats that keyframes
+ * have at one place at both ends and in the middle of a step, and that swing between (stops 1103). Swaps within a body, and of
+ * keyframed splats, of 5 to 25 % of a step (stack 102, stops 1108). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;
