@@ -188,6 +188,9 @@ static int32_t in_group(const calibrate_row *r, int32_t group) {
     return group < 2 ? r->light_hz == 0 && r->noisy == group : r->light_hz == lights[group - 1];
 }
 
+/* 1 where a pole was taken for one of the other law: time constants of two laws can't be compared. */
+static int32_t is_wrong_law(const calibrate_row *r) { return r->truth[3] > 0 && r->found[3] > 0 && r->law != r->seen_law; }
+
 /* One line: median and worst deviation of value `i`, and how often the truth is within the error bar. */
 static void print_value(const calibrate_rows *all, int32_t group, int32_t i, double *off) {
     static const char *const names[MEASURED] = {"threshold_on", "threshold_off", "log_eps",
@@ -197,6 +200,7 @@ static void print_value(const calibrate_rows *all, int32_t group, int32_t i, dou
         const calibrate_row *r = &all->rows[k];
         const double d = fabs(r->found[i] - r->truth[i]);
         if (!in_group(r, group) || r->refused || !(d == d)) continue;
+        if (measured[i] == TIDES_CALIBRATED_POLE && is_wrong_law(r)) continue;
         within += d <= r->error[i];
         off[count++] = i < 2 ? 100 * d / r->truth[i] : d;
     }
@@ -211,11 +215,17 @@ static tides_status print_summary(const calibrate_rows *all, tides_error *error)
     if (!off) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     printf("%-20s %-16s %8s %14s %14s %12s\n", "light", "value", "sensors", "median off", "worst off", "within 1 sd");
     for (int32_t group = 0; group < GROUPS; group++) {
-        size_t refused = 0, count = 0;
-        for (size_t k = 0; k < all->count; k++)
-            if (in_group(&all->rows[k], group)) count++, refused += all->rows[k].refused;
+        size_t refused = 0, count = 0, wrong = 0;
+        for (size_t k = 0; k < all->count; k++) {
+            if (!in_group(&all->rows[k], group)) continue;
+            count++;
+            refused += all->rows[k].refused;
+            wrong += !all->rows[k].refused && is_wrong_law(&all->rows[k]);
+        }
         for (int32_t i = 0; i < MEASURED; i++) print_value(all, group, i, off);
         if (refused) printf("%-20s %zu of %zu sensors refused\n", groups[group], refused, count);
+        if (wrong)
+            printf("%-20s %zu poles go with light and were taken for constant ones, or the reverse\n", groups[group], wrong);
     }
     free(off);
     return TIDES_OK;

@@ -82,8 +82,9 @@ static tides_status by_other_light(td_calibration *c, const td_fit *whole, int32
     td_fit fit = *whole;
     double now[TIDES_CALIBRATED_VALUES], then[TIDES_CALIBRATED_VALUES];
     const tides_status status = td_light_between(&c->light, every, straight, &other, error);
+    const double clip = c->pairs.clip, scattered = c->scattered;
     if (status == TIDES_OK) {
-        td_refine(&other, &c->pairs, &fit, c->free, c->longest_refractory_s, NULL);
+        for (int32_t i = 0; i < 2; i++) td_come_closer(c, &other, &fit);
         td_changes(&other, &c->pairs, &fit.front, NULL);
         const td_variance spread = td_spread_of(&other, &c->pairs, &fit, &c->taken);
         values_of(whole, now);
@@ -92,15 +93,29 @@ static tides_status by_other_light(td_calibration *c, const td_fit *whole, int32
         if (spread.known) then[TIDES_CALIBRATED_SIGMA] = sqrt(fmax(spread.value, 0));
         for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++) add_error(&found->values[i], then[i] - now[i]);
     }
+    c->pairs.clip = clip;
+    c->scattered = scattered;
     other.pixel = NULL;
     td_light_free(&other);
     return status;
 }
 
+/* The step between the two darkest code values of the frames; 0 where there is one value alone. */
+static double dark_step(const td_light *light) {
+    float least = INFINITY, next = INFINITY;
+    for (size_t i = 0; i < light->count * light->samples; i++)
+        if (i % light->samples % (size_t)light->finer == 0) least = fminf(least, light->Y[i]);
+    for (size_t i = 0; i < light->count * light->samples; i++)
+        if (i % light->samples % (size_t)light->finer == 0 && light->Y[i] > least) next = fminf(next, light->Y[i]);
+    return isfinite(next) ? (double)next - (double)least : 0;
+}
+
 /* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured twice
- * more: with straight lines between the frames, and with every other frame left out. */
+ * more: with straight lines between the frames, and with every other frame left out. Dark light is known to half a code value, and
+ * what it is off by goes to the black level. */
 static tides_status between_frames(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
     if (!c->facts.frames || c->light.samples / (size_t)c->light.finer < FEW_FRAMES) return TIDES_OK;
+    add_error(&found->values[TIDES_CALIBRATED_EPS], 0.5 * dark_step(&c->light));
     const tides_status status = by_other_light(c, whole, 1, 1, found, error);
     return status == TIDES_OK ? by_other_light(c, whole, 2, 0, found, error) : status;
 }

@@ -9,6 +9,7 @@
 
 enum { PARAMETERS = 4, POINTS = PARAMETERS + 1, STEPS = 80, STEPS_OF_PART = 30, CLOSER = 2 };
 #define NORMAL 1.4826   /* a normal distribution's standard deviation over its median of |d| */
+#define FAR 3.0         /* standard deviations */
 #define LEAST_CLIP 0.1  /* twice what 0.004 log units, by which light leaves straight lines, are of a threshold of 0.08 */
 #define EPS_SHIFT 0.004 /* black levels o are varied as ln(o + this): smaller ones are alike */
 #define POLE_SHIFT 1e-3 /* [s] poles likewise */
@@ -44,12 +45,25 @@ static double select_rank(double *x, size_t count, size_t rank) {
     return x[rank];
 }
 
-/* The median of a polarity's changes (of an even number the upper one); NaN for few changes. */
-static double median(const td_pairs *pairs, int8_t polarity) {
+/* The median of a polarity's changes (of an even number the upper one) that are less than `clip` from `about`, relatively; NaN for
+ * few changes. */
+static double median(const td_pairs *pairs, int8_t polarity, double about, double clip) {
     size_t count = 0;
-    for (size_t i = 0; i < pairs->count; i++)
-        if (pairs->list[i].after == polarity && isfinite(pairs->change[i])) pairs->room[count++] = pairs->change[i];
+    for (size_t i = 0; i < pairs->count; i++) {
+        const double change = pairs->change[i];
+        if (pairs->list[i].after != polarity || !isfinite(change)) continue;
+        if (clip >= TD_CLIP || fabs(change - about) < clip * about) pairs->room[count++] = change;
+    }
     return count < FEW ? NAN : select_rank(pairs->room, count, count / 2);
+}
+
+/* A close fit's median is that of the changes within its clip. Pairs that noise ends are nearly all too small, and would draw the
+ * median of all down. */
+static double middle(const td_pairs *pairs, int8_t polarity) {
+    const double all = median(pairs, polarity, 0, TD_CLIP);
+    if (pairs->clip >= TD_CLIP || !(all > 0)) return all;
+    const double within = median(pairs, polarity, all, pairs->clip);
+    return within == within ? within : all;
 }
 
 double td_usual(const td_fit *fit, int8_t polarity) { return polarity > 0 ? fit->on : fit->off; }
@@ -60,8 +74,8 @@ double td_usual(const td_fit *fit, int8_t polarity) { return polarity > 0 ? fit-
 void td_judge(td_pairs *pairs, td_fit *fit) {
     size_t count = 0, agree = 0, lost = 0;
     double sum = 0, squares = 0;
-    fit->on = median(pairs, 1);
-    fit->off = median(pairs, -1);
+    fit->on = middle(pairs, 1);
+    fit->off = middle(pairs, -1);
     for (size_t i = 0; i < pairs->count; i++) {
         const double change = pairs->change[i], usual = td_usual(fit, pairs->list[i].after);
         if (isinf(change)) lost++;
@@ -79,7 +93,8 @@ void td_judge(td_pairs *pairs, td_fit *fit) {
                                : pairs->clip * pairs->clip;
 }
 
-double td_scattered(td_pairs *pairs, const td_fit *fit) {
+/* The standard deviation of changes [medians], by their middle half. */
+static double scattered(td_pairs *pairs, const td_fit *fit) {
     size_t count = 0;
     for (size_t i = 0; i < pairs->count; i++) {
         const double usual = td_usual(fit, pairs->list[i].after);
@@ -282,14 +297,11 @@ static void settle_law(td_calibration *c, td_fit *best) {
     if (with_light.misfit < LAW_GAIN * best->misfit) *best = with_light;
 }
 
-/* Fits again with a clip of TD_FAR standard deviations. A search needs a wide clip, by which pairs that are far off lead it. In
- * the end such pairs are noise: the pair of a noise event ends anywhere between the thresholds, with d near 1 in the mean, and
- * with a wide clip these pull the front end to where they agree. One sensor's thresholds came out 8 % low. */
-static void come_closer(td_calibration *c, td_fit *fit) {
-    td_try(&c->light, &c->pairs, &fit->front, NULL, fit);
-    c->scattered = td_scattered(&c->pairs, fit);
-    c->pairs.clip = fmin(TD_CLIP, fmax(LEAST_CLIP, TD_FAR * c->scattered));
-    td_refine(&c->light, &c->pairs, fit, c->free, c->longest_refractory_s, NULL);
+void td_come_closer(td_calibration *c, td_light *light, td_fit *fit) {
+    td_try(light, &c->pairs, &fit->front, NULL, fit);
+    c->scattered = scattered(&c->pairs, fit);
+    c->pairs.clip = fmin(TD_CLIP, fmax(LEAST_CLIP, FAR * c->scattered));
+    td_refine(light, &c->pairs, fit, c->free, c->longest_refractory_s, NULL);
 }
 
 tides_status td_search(td_calibration *c, tides_error *error) {
@@ -308,7 +320,7 @@ tides_status td_search(td_calibration *c, tides_error *error) {
     status = td_calibrate_told(c, 0.6, "fitting", error);
     if (status != TIDES_OK) return status;
     td_refine(&c->light, &c->pairs, &best, c->free, c->longest_refractory_s, NULL);
-    for (int32_t i = 0; i < CLOSER; i++) come_closer(c, &best);
+    for (int32_t i = 0; i < CLOSER; i++) td_come_closer(c, &c->light, &best);
     c->fit = best;
     return td_calibrate_told(c, 0.65, "fitting", error);
 }

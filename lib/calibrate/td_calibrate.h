@@ -108,7 +108,7 @@ typedef struct td_calibration {
     td_fit fit;
     td_fit raw; /* before correction for the method's bias */
     td_variance spread;
-    double scattered; /* td_scattered of the fit */
+    double scattered; /* standard deviation of the fit's changes [medians] */
     int32_t rounds;   /* simulations from which the bias was taken */
     double offset_s;  /* best offset, also where it isn't taken */
     int32_t free;     /* TD_FREE_* */
@@ -144,9 +144,10 @@ double td_shortest_interval(const td_pairs *pairs);
 void td_changes(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part);
 /* fit.c */
 #define TD_CLIP 1.5 /* of a search without a starting point */
-/* The standard deviation of changes [medians] by their middle half, and the clip by which a close fit is judged. */
-double td_scattered(td_pairs *pairs, const td_fit *fit);
-#define TD_FAR 3.0 /* standard deviations */
+/* Fits again with a clip of three standard deviations, which become c->scattered. A search needs a wide clip, by which pairs that
+ * are far off lead it. In the end such pairs are noise: the pair of a noise event ends anywhere between the thresholds, with d
+ * near 1 in the mean, and a wide clip lets these pull the front end to where they agree. One sensor's thresholds were 8 % low. */
+void td_come_closer(td_calibration *c, td_light *light, td_fit *fit);
 void td_judge(td_pairs *pairs, td_fit *fit);
 double td_usual(const td_fit *fit, int8_t polarity); /* the median of this polarity */
 double td_try(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part, td_fit *fit);
