@@ -200,7 +200,7 @@ int td_renderer_is_double(const tides_renderer *renderer);
 
 /* The numbers that define a renderer's images besides scene, paths and device: image formation, intrinsics, blur, background,
  * colour filter. Equal numbers give equal images. */
-enum { TD_IMAGE_FACTS = 68 };
+enum { TD_IMAGE_FACTS = 69 };
 void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]);
 
 #endif

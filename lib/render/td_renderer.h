@@ -65,6 +65,9 @@ void td_image_set_decoder(const tides_scene *scene, const td_store *store, td_im
 /* The view of an object from a camera; object pose NULL: at rest. */
 void td_view_make(const tides_pose *camera, const tides_pose *object, double scale, td_view *view);
 
+/* Sets the floor that all objects' colours have; TD_NO_FLOOR where some have none. */
+tides_status td_image_set_floor(const tides_scene *scene, td_image *image, tides_error *error);
+
 /* Views of every object of `scene` at `time` [s after `epoch`]: (objects). */
 tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double epoch, double time, td_view *views,
                          tides_error *error);
