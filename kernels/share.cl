@@ -1,7 +1,9 @@
-/* Projects Gaussians once per time, for all tiles that see them. One work-item handles several groups of TD_LANES Gaussians. */
+/* Projects Gaussians once per time, for all tiles that see them. One work-item projects TD_SHARE_VECTORS vectors of TD_LANES
+ * Gaussians. A group is TD_PAD neighbouring Gaussians of the store. */
 #include "share.h"
 
-/* Rows [at, last) of `groups` at one time, whose first row is `rows`. */
+/* Projects the Gaussians [at, last), counted over the listed groups, at one time. The results of this time begin at row
+ * `rows`. */
 TD_APART void td_share_apart(__constant const td_image *image_buffer, __global const int *groups, int at, int last, int rows,
                              __global const int *object, __global const td_view *views, const td_source *sources,
                              const td_sink *sinks, __global float *extents) {
@@ -15,8 +17,8 @@ TD_APART void td_share_apart(__constant const td_image *image_buffer, __global c
     }
 }
 
-/* `groups`: numbers of the groups of TD_PAD Gaussians in the store of which a list has at least one. `slots`: first views of
- * the times. */
+/* `groups`: numbers of the groups with a Gaussian in any tile's candidate list. `slots`: for each time, the number of its
+ * set of views; a set has one view per object. */
 __kernel void td_share_records(__constant const td_image *image_buffer, __global const int *groups, int group_count,
                                __global const int *slots, __global const int *object, __global const td_view *views,
                                __global const float *geometry, __global const float *rates, __global const float *sh,
@@ -28,8 +30,9 @@ __kernel void td_share_records(__constant const td_image *image_buffer, __global
     td_sink sink;
     sink.records = records;
     sink.colours = colours;
-    sink.depths = sink.lights = records; /* tiles store depths, light */
-    sink.masks = 0;                      /* and masks themselves */
+    /* Depths, lights and masks aren't written here, but by td_deal_job, tile by tile. These pointers aren't used. */
+    sink.depths = sink.lights = records;
+    sink.masks = 0;
     td_share_apart(image_buffer, groups, at, last, which * count, object, views + slots[which] * image_buffer->objects, &source,
                    &sink, extents);
 }

@@ -1,21 +1,23 @@
-/* Records that the tiles of one time share. Each Gaussian that is in some list is projected once. A tile then computes only
- * which of its blocks its candidates touch. The records are equal to those of a tile that projects its own.
+/* Records that the tiles of one time share. Each group of TD_PAD Gaussians with a candidate of any tile is projected once. A
+ * tile then computes only which of its blocks its candidates touch. The records are equal to those of a tile that projects its
+ * own.
  *
- * A tile reads one row of shared values, a cache line, per candidate. The compositor reads records where they are. Copying
- * records to the tiles' lists took as long as projecting for each tile. */
+ * Each projected Gaussian has a row: a record, and its shared values (TD_X_...), one cache line. A tile reads the shared
+ * values of its candidates. The compositor reads records where they are: copying them to the tiles' lists took as long as
+ * projecting for each tile. */
 #ifndef TD_SHARE_H
 #define TD_SHARE_H
 
 #include "record.h"
 
-/* The shared values. */
+/* Where the shared values are. */
 typedef struct td_shared {
     TD_GLOBAL const td_real *extents; /* (times x rows x TD_EXTENT_STRIDE), entries TD_X_... */
-    TD_GLOBAL const int *place; /* for each TD_PAD Gaussians of the store: their group of TD_PAD rows within a time's rows */
-    int rows;                   /* rows per time */
+    TD_GLOBAL const int *place;       /* for each group of the store: its number among the groups that have rows */
+    int rows;                         /* rows per time */
 } td_shared;
 
-/* Rows of Gaussians (>= 0) at the time of number `shared`, from 1 on. */
+/* The rows of Gaussians, whose numbers are at least 0. `shared` is td_job.shared: the number of the time, from 1 on. */
 TD_INLINE td_index td_shared_rows(const td_shared *from, int shared, td_index gaussian) {
     td_index group = td_gather_ints(from->place, gaussian >> TD_PAD_BITS);
     return (shared - 1) * from->rows + group * TD_PAD + (gaussian & (TD_PAD - 1));
@@ -23,7 +25,8 @@ TD_INLINE td_index td_shared_rows(const td_shared *from, int shared, td_index ga
 
 /* -- once for all tiles ---------------------------------------------------------------------------------------------------- */
 
-/* Vectors per work-item: drivers hand out work-groups one by one, and on a CPU each has one item. */
+/* Vectors of TD_LANES Gaussians per work-item. Several, because drivers hand out work-groups one by one, and on a CPU each
+ * work-group has one item. */
 enum { TD_SHARE_VECTORS = TD_LANES > 1 ? TD_SHARE_MANY : 1 };
 
 /* Stores shared values in TD_LANES neighbouring rows. */
@@ -49,7 +52,8 @@ TD_INLINE td_sink td_shared_sink(const td_sink *all, const td_image *image, int 
     return sink;
 }
 
-/* Projects Gaussians [first, first + TD_LANES) of the store, whether any tile sees them or not, by the view of their object. */
+/* Projects the Gaussians [first, first + TD_LANES) of the store by the view of their object, whether a tile sees them or
+ * not. */
 TD_INLINE void td_share_group(TD_GLOBAL const td_view *view, const td_image *image, const td_source *all, int first,
                               const td_sink *sink, TD_GLOBAL td_real *extents) {
     td_source source = td_source_of(all, image, first);
@@ -66,6 +70,7 @@ TD_INLINE void td_share_group(TD_GLOBAL const td_view *view, const td_image *ima
 
 /* -- tile by tile ---------------------------------------------------------------------------------------------------------- */
 
+/* Takes back the values that td_store_asked stored. Lanes outside `there` have no candidate. */
 TD_INLINE td_asked td_asked_from(const td_lanes entry[TD_EXTENT_STRIDE], td_mask there) {
     td_asked asked;
     td_extent *e = &asked.extent;
@@ -80,8 +85,8 @@ TD_INLINE td_asked td_asked_from(const td_lanes entry[TD_EXTENT_STRIDE], td_mask
     return asked;
 }
 
-/* Candidates [first, first + TD_LANES) of a job: stores masks, depths and light, and the rows of their records at
- * places[first]. */
+/* Stores masks, depths and light of the candidates [first, first + TD_LANES) of a job, and at `places` the rows of their
+ * records. */
 TD_INLINE void td_deal_group(const td_job *job, int first, td_index gaussian, td_index row, const td_image *image,
                              const td_shared *from, const td_sink *all, TD_GLOBAL int *places) {
     td_lanes entry[TD_EXTENT_STRIDE];
@@ -96,15 +101,15 @@ TD_INLINE void td_deal_group(const td_job *job, int first, td_index gaussian, td
     td_store_ints(places + job->records + first, row);
 }
 
-/* Prefetches the shared values of a group. */
+/* Prefetches the shared values of a vector's rows. */
 TD_INLINE void td_deal_prefetch(const td_shared *from, td_index row) {
     int lane[TD_LANES];
     td_index_lanes(row, lane);
     for (int i = 0; i < TD_LANES; i++) td_prefetch(from->extents + lane[i] * TD_EXTENT_STRIDE);
 }
 
-/* Work-item `me` of `items` deals with its groups of a job. Padding reads the row of Gaussian 0, which needn't exist, and
- * ignores it. */
+/* Work-item `me` of `items` handles its vectors of a job's candidates: numbers me, me + items, and so on. Padding reads the row
+ * of Gaussian 0, which may hold nothing, and ignores it. */
 TD_INLINE void td_deal_job(const td_job *job, int me, int items, TD_GLOBAL const int *candidates, const td_image *image,
                            const td_shared *from, const td_sink *all, TD_GLOBAL int *places) {
     TD_GLOBAL const int *own = candidates + job->candidates;

@@ -1,4 +1,4 @@
-/* A tile job that reads shared records, as a function of its own: kernels that seldom meet such a job needn't inline it. */
+/* A tile job that reads shared records, as a function that isn't inlined, for kernels that seldom meet such a job. */
 #ifndef TD_SHARE_JOBS_H
 #define TD_SHARE_JOBS_H
 
@@ -12,7 +12,7 @@ TD_INLINE td_shared td_shared_make(__global const float *extents, __global const
     return shared;
 }
 
-/* Work-item `me` of `items` deals with its groups of the job. */
+/* td_deal_job, not inlined. */
 TD_APART void td_deal_apart(__constant const td_image *image_buffer, __global const td_job *at, int me, int items,
                             __global const int *candidates, const td_shared *from, const td_sink *sinks, __global int *places) {
     const td_image image = *image_buffer;

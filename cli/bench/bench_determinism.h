@@ -1,4 +1,5 @@
-/* `tides bench determinism`: the same runs, made in ways that must give the same events, a hash for each. */
+/* `tides bench determinism` makes each run in several ways, which must all give the same events, and compares hashes of the
+ * events. */
 #ifndef CLI_BENCH_DETERMINISM_H
 #define CLI_BENCH_DETERMINISM_H
 
@@ -13,12 +14,17 @@ enum { DETERMINISM_TEXTS = 20, DETERMINISM_WAYS_MAX = 20 };
 typedef struct determinism_run {
     const char *name, *sentence;
     const char *sets[DETERMINISM_TEXTS]; /* ends with a NULL */
-    int32_t frames;                      /* 1: a method that differences frames, whose runs can't be cut */
+    int32_t frames;                      /* 1: a method that differences frames: no pieces, saved or killed */
 } determinism_run;
 
-/* How a run is made: at once, in pieces, by simulators that save and restore each other, through a file, or by processes that
- * are killed and resumed. */
-enum { DETERMINISM_WHOLE, DETERMINISM_PIECES, DETERMINISM_SAVED, DETERMINISM_FILE, DETERMINISM_KILLED };
+/* How a run is made. */
+enum {
+    DETERMINISM_WHOLE,  /* by one simulator in one call */
+    DETERMINISM_PIECES, /* by one simulator in several calls */
+    DETERMINISM_SAVED,  /* by several simulators, each of which restores the state that the one before saved */
+    DETERMINISM_FILE,   /* written to an event file and read again */
+    DETERMINISM_KILLED  /* by several processes, each killed, and resumed by the next */
+};
 
 typedef struct determinism_way {
     const char *name, *sentence;
@@ -28,9 +34,9 @@ typedef struct determinism_way {
     const char *variable[3], *value[3]; /* environment variables */
     int32_t units;                      /* compute units that the device must report; 0: any */
     int32_t pocl;                       /* 1: only for PoCL */
-    int32_t own_kernels;                /* 1: needs an empty kernel cache, since PoCL would use kernels of another method */
-    int32_t signal;                     /* by which processes are ended; 0: SIGKILL */
-    int32_t quick;                      /* 1: also with --quick */
+    int32_t own_kernels; /* 1: a kernel cache of its own, since PoCL's may hold kernels of another POCL_WORK_GROUP_METHOD */
+    int32_t signal;      /* ends processes of DETERMINISM_KILLED; 0: SIGKILL */
+    int32_t quick;       /* 1: also with --quick */
 } determinism_way;
 
 extern const determinism_run determinism_runs[]; /* each list ends with a NULL name */
@@ -39,7 +45,7 @@ extern const determinism_way determinism_ways[];
 const determinism_run *determinism_find(const char *name); /* or NULL */
 const char *const *determinism_names(void);                /* ends with a NULL */
 size_t determinism_count(void);
-/* Appends the keys of a run to `sets`, after those that make the demo's world smaller. */
+/* Appends to `sets` the keys that make the demo's world smaller, and then the keys of the run. */
 void determinism_take(const bench *b, const determinism_run *run, cli_list *sets);
 
 /* -- making them (bench_determinism_run.c, in a process of bench_child.c) ----------------------------------------------- */
@@ -49,20 +55,23 @@ typedef struct determinism_job {
     const char *file; /* the run file */
     const determinism_run *run;
     const determinism_way *way;
-    double usual_s; /* time of the run at once; processes are killed within it */
+    double usual_s; /* the least time of the run's ways so far; processes are killed within it */
 } determinism_job;
 
-/* Sent through a pipe, so that it has no pointers. The hash is of 13 bytes per event: t [ns] in 8, x and y in 2 each, the
- * polarity in 1, little-endian. */
+/* The result goes through a pipe, so it must have no pointers. The hash is of 13 bytes per event: t [ns] in 8, x and y in 2
+ * each, the polarity in 1, little-endian. */
 typedef struct determinism_result {
-    int32_t how; /* BENCH_RAN .. BENCH_LATE */
-    int32_t signal, units, cuts;
+    int32_t how;    /* BENCH_RAN and others */
+    int32_t signal; /* the signal of BENCH_DIED; 0: an exit */
+    int32_t units;  /* compute units of the device */
+    int32_t cuts;   /* how often the run was cut: between pieces, by saving, or by a kill */
     char hash[CLI_SHA256_TEXT];
-    char said[sizeof((tides_error *)0)->text];
+    char said[sizeof((tides_error *)0)->text]; /* the error of BENCH_REFUSED */
     uint64_t events;
     double elapsed_s;
 } determinism_result;
 
+/* Makes the job's run in its way, in the calling process. */
 void determinism_make(const determinism_job *job, determinism_result *result);
 
 #endif

@@ -10,7 +10,7 @@ typedef struct bench_entry {
     const char *name, *sentence; /* the sentence is for the page of results */
     tides_status (*run)(bench *b, const cli_list *names, tides_error *error);
     int32_t own_devices;
-    const char *const *(*names)(void); /* choices of --scene or --row, NULL-terminated */
+    const char *const *(*names)(void); /* choices of --scene or --row; the list ends with a NULL */
     int32_t numbered; /* rows of a scene that have numbers from 0 on, which --row chooses; 0: none */
 } bench_entry;
 
@@ -20,7 +20,7 @@ typedef struct bench_list {
     size_t count;
 } bench_list;
 
-/* Runs a command that takes the name of a benchmark, or `all`. */
+/* Runs a command whose argument is the name of a benchmark, or `all`. Returns the exit code. */
 int bench_main(const cli_command *command, const bench_list *all, int argc, char **argv);
 
 #endif

@@ -1,4 +1,4 @@
-/* The results in a folder as a page: one file that needs no other. */
+/* Writes the results in a folder as a page: one file that needs no other. */
 #ifndef CLI_BENCH_PAGE_H
 #define CLI_BENCH_PAGE_H
 

@@ -1,5 +1,5 @@
-/* `tides bench stability`: adversarial worlds, each rendered and simulated on the device, in the float reference and in the
- * double reference, in a process of its own. */
+/* `tides bench stability`: worlds made to break the simulator. A row is one world, rendered and simulated in a process of its
+ * own: on the device, in the float reference and in the double reference. */
 #ifndef CLI_BENCH_STABILITY_H
 #define CLI_BENCH_STABILITY_H
 
@@ -7,7 +7,7 @@
 
 /* -- rows (bench_stability_rows.c) ------------------------------------------------------------------------------------ */
 
-/* World of a row: a scene, a camera, and the stepping. */
+/* The world of a row: a scene with its camera, and the stepping. */
 typedef struct stability_world {
     bench_scene scene;
     tides_stepping stepping;
@@ -17,50 +17,49 @@ typedef struct stability_case stability_case;
 typedef tides_status (*stability_maker)(const stability_case *c, stability_world *w, tides_error *error);
 
 enum {
-    STABILITY_BIG = 1,        /* not with --quick, unless named */
-    STABILITY_IMAGE_ONLY = 2, /* the references only render it; they simulate too slowly */
-    STABILITY_ALONE = 4       /* without the references */
+    STABILITY_BIG = 1,        /* with --quick the row runs only if --row names it */
+    STABILITY_IMAGE_ONLY = 2, /* the references render the world, but don't simulate it: they are too slow */
+    STABILITY_ALONE = 4       /* the references do neither */
 };
 
 struct stability_case {
     const char *name, *sentence;
     stability_maker make;
-    int32_t kind;        /* number of the world within its group */
-    double size;         /* how extreme it is */
-    const char *refusal; /* the row must be refused with a message that contains this */
-    int32_t flags;
-    int32_t parts; /* parts of exact events (BENCH_SOLVED ..) that the row has; 0: the library's defaults */
+    int32_t kind;        /* the maker's kind of world, SHAPE_NEEDLES and others */
+    double size;         /* how extreme the world is; the maker gives it a meaning */
+    const char *refusal; /* the row must be refused with a message that contains this text; NULL: it must run */
+    int32_t flags;       /* STABILITY_BIG and others */
+    int32_t parts;       /* BENCH_SOLVED and BENCH_BLOCKS, or-ed together; 0: neither */
     struct {
-        double L, L_dot, dt_us, mismatch_percent, slow, memory; /* 0: the default */
-        const char *because;
-    } bound; /* bounds of the row's own */
+        double L, L_dot, dt_us, mismatch_percent, slow, memory; /* 0: the default bound */
+        const char *because;                                    /* the reason of the row's own bounds */
+    } bound;
 };
 
-extern const stability_case *const stability_groups[]; /* NULL-terminated lists, each ends with a NULL name */
+extern const stability_case *const stability_groups[]; /* ends with a NULL; each group ends with a NULL name */
 
-/* The case called `name`, or NULL. _names: all names, NULL-terminated, allocated. */
-const stability_case *stability_find(const char *name);
-const char *const *stability_names(void);
+const stability_case *stability_find(const char *name); /* or NULL */
+const char *const *stability_names(void);               /* of all cases; ends with a NULL */
 
 /* -- worlds (bench_stability_world.c) --------------------------------------------------------------------------------- */
 
-/* Numbers of rows have few digits or come from a counter, and scales and opacities are powers of ten, so that scenes are equal
- * on every machine. */
+/* Worlds are equal on every machine, because no number of a splat comes from libm. Their numbers have few digits or are drawn
+ * by stability_random, and scales are given by their logarithms. */
 double stability_random(uint64_t *state); /* in [0, 1), a multiple of 2^-32 */
 double stability_between(uint64_t *state, double low, double high);
 
 #define STABILITY_LN10 2.302585092994045684
-#define STABILITY_SH0 0.28209479177387814 /* of the constant band: a colour is 1/2 + SH0 sh */
+#define STABILITY_SH0 0.28209479177387814 /* 1 / (2 sqrt(pi)): a colour is 1/2 + SH0 sh, sh of the constant band */
 
 typedef struct stability_splat {
     double mean[3];
     double decades[3]; /* log10 of the scales */
     double quaternion[4];
-    double logit;
-    double sh; /* constant band, grey */
+    double logit; /* of the opacity */
+    double sh;    /* of the constant band, equal for r, g and b */
 } stability_splat;
 
-/* Splats as they are added; a failure is reported by stability_put. */
+/* A list of splats that grows; stability_put reports a failure of stability_add. */
 typedef struct stability_pile {
     float *log_scale, *quaternion, *logit, *sh;
     double *mean;
@@ -68,7 +67,7 @@ typedef struct stability_pile {
     int32_t failed, reserved;
 } stability_pile;
 void stability_add(stability_pile *pile, const stability_splat *splat);
-/* The arrays, borrowed. */
+/* The pile's arrays, borrowed. */
 tides_gaussians stability_gaussians(const stability_pile *pile);
 void stability_free(stability_pile *pile);
 /* Adds the pile to the world, moved by `path` (nullable), and frees it. */
@@ -76,20 +75,22 @@ tides_status stability_put(stability_pile *pile, stability_world *w, const tides
 
 /* An ordinary splat in the view of a camera at the origin, 4 to 6 scene units away. */
 stability_splat stability_ordinary(uint64_t *state);
-void stability_backdrop(stability_pile *pile, size_t count); /* adds so many splats, always the same */
+/* Adds `count` ordinary splats: the first of one list, whatever the row. */
+void stability_backdrop(stability_pile *pile, size_t count);
 /* Adds a grid of `across` x `down` splats at depth z over the whole view. Each is `wide` spacings wide, with a random grey. */
 void stability_wall(stability_pile *pile, const stability_world *w, int32_t across, int32_t down, double z, double wide);
 
-/* A steady path over the world's time, and a little beyond: from `from` [scene units] with `velocity` [scene units/s], turning
- * about y by 2 atan(turn t). */
+/* A steady path over the world's time and beyond both ends. t [s] after the start it is at from + velocity t [scene units], and
+ * turned about y by 2 atan(turn t). */
 typedef struct stability_slide {
     double from[3], velocity[3], turn;
 } stability_slide;
 tides_status stability_path(const stability_world *w, const stability_slide *slide, tides_trajectory **path,
                             tides_error *error);
-#define STABILITY_SPEED 8.0 /* [scene units/s] of the camera unless a row says otherwise: 100 px/s at the backdrop */
+#define STABILITY_SPEED 8.0 /* [scene units/s] of the camera, unless a row says otherwise: about 100 px/s at the backdrop */
 
-/* _make: the row's world. _benign: an ordinary one with as many pixels, splats and steps. */
+/* stability_make makes the row's world. stability_make_benign makes an ordinary world with as many pixels, splats and steps as
+ * `like`. */
 tides_status stability_make(const stability_case *c, stability_world *w, tides_error *error);
 tides_status stability_make_benign(const stability_world *like, stability_world *w, tides_error *error);
 
@@ -153,23 +154,25 @@ tides_status stability_front_ends(const stability_case *c, stability_world *w, t
 
 /* -- measuring (bench_stability_run.c, in a process of bench_child.c) ------------------------------------------------- */
 
-/* Sent through a pipe, so that it has no pointers. */
+/* The result goes through a pipe, so it must have no pointers. */
 typedef struct stability_result {
-    int32_t how; /* BENCH_RAN .. BENCH_LATE */
-    int32_t signal;
-    int32_t same_bits;           /* device against float reference: 1, 0, or -1 where it isn't compared */
+    int32_t how;                 /* BENCH_RAN and others */
+    int32_t signal;              /* the signal of BENCH_DIED; 0: an exit */
+    int32_t same_bits;           /* device against float reference: 1 equal, 0 different, -1 not compared */
     int32_t rendered, simulated; /* 1: by the double reference too */
     int64_t gaussians, pixels;
     char said[sizeof((tides_error *)0)->text]; /* the message of a refusal */
-    double L, L_dot;                      /* errors of the float image against the double one; L_dot over the largest rate */
-    tides_match match;                    /* of the device's events against the double reference's */
-    tides_stats stats, exact;             /* of the device's run, and of the double reference's */
-    double run_time_s, benign_s, exact_s; /* least of some runs; of processor time where the device is a processor */
-    double elapsed_s;
+    double L, L_dot;          /* largest errors of the device's image; L_dot's is over the largest rate of its frame */
+    tides_match match;        /* of the device's events against the double reference's */
+    tides_stats stats, exact; /* of the device's run, and of the double reference's */
+    /* Time of the row's run, of the ordinary world's, and of the double reference's: the least of some runs. It is processor
+     * time where the device is a processor. */
+    double run_time_s, benign_s, exact_s;
+    double elapsed_s;    /* of the whole measurement */
     uint64_t peak_bytes; /* of the process when the device's run ended */
 } stability_result;
 
-/* Measures a case on the device that `b` names (b->device isn't open). */
+/* Measures a case on the device that `b` names, and opens it: b->device isn't used. */
 void stability_measure(const bench *b, const stability_case *c, stability_result *result);
 
 /* -- verdicts (bench_stability_verdict.c) ------------------------------------------------------------------------------ */

@@ -1,8 +1,8 @@
 /* Internal: reads members, stored or deflated, of a ZIP archive in memory (PKWARE APPNOTE 4.3), such as .npz and torch's
- * .pth. Positions and sizes come from the central directory only, because torch leaves them zero in the local headers. ZIP64
- * is read; encryption and archives in several files are TIDES_UNSUPPORTED. Memory is bounded: a member has at most
- * TD_ZIP_RATIO times its stored bytes, and all stored bytes together at most the archive's. Several threads may read one
- * td_zip at once. */
+ * .pth. Sizes of members come from the central directory only, because torch leaves them zero in the local headers. ZIP64 is
+ * read; encryption and archives in several files are TIDES_UNSUPPORTED. Memory is bounded: a member unpacks to at most
+ * TD_ZIP_RATIO times its packed bytes, and all packed bytes together are at most the archive's size. Several threads may read
+ * one td_zip at once. */
 #ifndef TD_ZIP_H
 #define TD_ZIP_H
 
@@ -12,9 +12,9 @@
 enum { TD_ZIP_RATIO = 1032 };
 
 typedef struct td_zip_member {
-    char *name;                  /* as stored; may hold slashes */
-    size_t offset, packed, size; /* of the local header; bytes in the archive; bytes once unpacked */
-    unsigned method;             /* 0 stored, 8 deflated */
+    char *name;                  /* as in the archive; may hold slashes */
+    size_t offset, packed, size; /* position of the local header; bytes in the archive; bytes once unpacked */
+    unsigned method;             /* 0 stored (not compressed), 8 deflated */
     uint32_t crc;
 } td_zip_member;
 
@@ -30,16 +30,17 @@ typedef struct td_zip {
 /* 1 if the bytes begin as a ZIP archive. */
 int td_zip_is(const void *bytes, size_t size);
 
-/* Reads the directory. `path` and `bytes` are borrowed until td_zip_close. TIDES_BAD_FILE, TIDES_UNSUPPORTED,
- * TIDES_NO_MEMORY; `zip` is untouched on failure. */
+/* Reads the directory. `path` and `bytes` are borrowed until td_zip_close. It may fail with TIDES_BAD_FILE,
+ * TIDES_UNSUPPORTED or TIDES_NO_MEMORY; `zip` is then untouched. */
 tides_status td_zip_open(td_zip *zip, const char *path, const void *bytes, size_t size, tides_error *error);
-void td_zip_close(td_zip *zip); /* an all-zero one is fine */
+void td_zip_close(td_zip *zip); /* `zip` may be all zeros */
 
 /* The member of this name, or NULL. */
 const td_zip_member *td_zip_find(const td_zip *zip, const char *name);
 
-/* A member's bytes, CRC checked. `*data` points into the archive if the member is stored (`*owned` is NULL; unaligned).
- * Otherwise it points to memory that the caller frees through `*owned`. TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
+/* Finds a member's bytes, and checks their CRC. If the member is stored, `*data` points into the archive, at any alignment, and
+ * `*owned` is NULL. Otherwise `*data` points to memory that the caller frees through `*owned`. It may fail with TIDES_BAD_FILE
+ * or TIDES_NO_MEMORY. */
 tides_status td_zip_read(const td_zip *zip, const td_zip_member *member, const unsigned char **data, void **owned,
                          tides_error *error);
 

@@ -1,5 +1,6 @@
-/* IEBCS (Joubert, Marcireau, Ralph, Jolley, van Schaik, Cohen, Frontiers 2021). Each frame is a step of light, which the
- * pixel follows with a time constant; latency and jitter are added. Times are whole microseconds. */
+/* IEBCS (Joubert, Marcireau, Ralph, Jolley, van Schaik, Cohen, Frontiers 2021). Between two frames the light is the later
+ * frame's, and the pixel's voltage approaches the light's logarithm exponentially. Latency and jitter delay the events. Event
+ * times are whole microseconds. */
 #include "td_iebcs.h"
 
 #include "td_math.h"
@@ -15,11 +16,11 @@
 enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
 
 typedef struct pixel {
-    double v;         /* voltage at the last frame [log units] */
-    double reference; /* [log units] */
+    double v;         /* voltage at the last frame; while an interval is worked on, at cursor.at_us [log units] */
+    double reference; /* voltage from which the next event's change counts [log units] */
     double ready_us;  /* end of the refractory period; infinite if the pixel isn't in one */
     double on, off;   /* thresholds of the next event [log units] */
-    uint64_t draws;
+    uint64_t draws;   /* number of random numbers drawn */
 } pixel;
 
 typedef struct iebcs_state {
@@ -99,9 +100,9 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
 
 /* -- one pixel ----------------------------------------------------------------------------------------------------------- */
 
-/* State of a pixel within its interval. */
+/* A pixel's state between two frames. */
 typedef struct cursor {
-    double at_us, stop_us; /* time at which the pixel has the voltage v; end of the interval */
+    double at_us, stop_us; /* time at which the pixel has the voltage v; time of the later frame */
     double light, tau_us;  /* logarithm of light that v approaches; its time constant */
 } cursor;
 

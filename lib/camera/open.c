@@ -1,9 +1,10 @@
 /* An open path's curve: a cubic from each knot to the next, for paths whose knots are appended during a run.
  *
- * A missing rate comes from the knots before only, to second order, because a later knot must change nothing that was already
- * used. A rate from both neighbours would be more accurate, but known one knot late. Continuing from the previous rate (by
- * the parabola through a knot, its rate and the next knot) would be C1, too. But then a rate's error returns with the other
- * sign at every knot, for ever. */
+ * A knot without a rate gets the rate of the parabola through it and the two knots before, because a later knot must change
+ * nothing that was already used. The second knot gets the slope of the line from the first, and so does a first knot without a
+ * rate. A rate from both neighbours would be more accurate, but known one knot late. A rate from the parabola through the
+ * previous knot, its rate and the new knot would keep the curve C1, too. But its error would return with the other sign at
+ * every knot, for ever. */
 #include "camera/td_open.h"
 
 #include "td_base.h"
@@ -43,7 +44,8 @@ tides_status td_open_append(td_open *open, const td_knot *knot, int32_t with_rat
 }
 
 size_t td_open_find(const td_open *open, double time) {
-    size_t low = 0, high = open->count > 1 ? open->count - 1 : 1; /* knot[low] <= time < knot[high] */
+    size_t low = 0, high = open->count > 1 ? open->count - 1 : 1;
+    /* For times within the path, knot[low].time <= time < knot[high].time, except at the path's end. */
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;
         if (open->knot[middle].time <= time)
@@ -54,8 +56,8 @@ size_t td_open_find(const td_open *open, double time) {
     return low;
 }
 
-/* The knot at `time` (number `from` or the next), or NULL. Samples closer together than `slack` are refused, so at most one
- * matches. */
+/* The knot at `time` (number `from` or the next), or NULL. At most one matches: tides_trajectory_append refuses samples that
+ * are up to 4 slacks apart. */
 static const td_knot *knot_at(const td_open *open, size_t from, double time, double slack) {
     for (size_t i = from; i < open->count && i <= from + 1; i++)
         if (fabs(time - open->knot[i].time) <= slack) return &open->knot[i];

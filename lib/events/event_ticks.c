@@ -1,5 +1,5 @@
-/* Counts events that a format with coarser times can't tell apart: events with the same pixel and tick as an earlier one. It
- * keeps a hash set of the current tick's pixels. A new generation number empties the set. */
+/* Counts events on the same pixel and tick as an earlier event, whatever their polarity. A tick is the unit of a format's
+ * times. A hash set holds the current tick's pixels, and a new generation number empties it. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -12,10 +12,10 @@ typedef struct slot {
 
 struct td_event_ticks {
     int64_t tick_ns, tick; /* length of a tick [ns]; number of the current tick */
-    int64_t begin, end;    /* [ns] the current tick is begin <= t < end, for times from 0 on */
-    uint64_t collapsed;
-    uint32_t generation; /* slots with another generation are empty */
-    size_t used, mask;   /* slots in use; number of slots minus one */
+    int64_t begin, end;    /* the current tick is begin <= t < end [ns]; formats with ticks refuse times before 0 */
+    uint64_t collapsed;    /* number of the counted events */
+    uint32_t generation;   /* slots with another generation are empty */
+    size_t used, mask;     /* slots in use; number of slots minus one */
     slot *slots;
 };
 
@@ -72,8 +72,8 @@ static void begin_tick(td_event_ticks *ticks, int64_t tick) {
     ticks->generation = 1;
 }
 
-/* Moves to the tick of `t`. Most events are in the current tick, so the division is avoided: it would take as long as all the
- * rest. */
+/* Moves to the tick of `t`. The caller skips this for events in the current tick, which most are: the division would take as
+ * long as all the rest. */
 static void seek_tick(td_event_ticks *ticks, int64_t t) {
     const int64_t tick = t / ticks->tick_ns;
     if (tick != ticks->tick) begin_tick(ticks, tick);

@@ -1,27 +1,35 @@
 /* Reads the records of a .spz (versions 2 to 4), one of which gives the axes of its values.
  *
- * A record is uint32 type, uint32 bytes, and the bytes. Adobe's 0xADBE0003 is a uint32: the directions of x, y and z for
+ * A record (an "extension" of .spz) has its type and the number of its bytes, both uint32, and then the bytes. Adobe's
+ * record of type 0xADBE0003 has one uint32: the number of a coordinate system, which gives the directions of x, y and z in
  * positions, rotations and SH. 1 LDB, 2 RDB, 3 LUB, 4 RUB, 5 LDF, 6 RDF, 7 LUF, 8 RUF (left or right, down or up, back or
  * front). 9 LFD, 10 RFD, 11 LFU, 12 RFU, 13 LBD, 14 RBD, 15 LBU, 16 RBU have a quarter turn about x, so that y is front or
- * back and z down or up. 0, or no record: RUB. Where x points left, only the numbers change their signs: the scene isn't
- * mirrored. */
+ * back and z down or up. 0, or no record: RUB. Where x points left, reading changes the signs of coordinates, but doesn't
+ * mirror the scene. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_scene.h"
 #include "td_splat.h"
 
-/* RECORD: bytes of a record before its own. SYSTEMS: the last number of axes; those above UNTURNED have a quarter turn. */
+/* RECORD: size of a record's type and length [bytes]. SYSTEMS: the greatest number of a coordinate system; systems above
+ * UNTURNED have a quarter turn. */
 enum { RECORD = 8, RUB = 4, SYSTEMS = 16, UNTURNED = 8 };
 
-/* Other known records: Adobe's on how SH were quantised and where a camera may orbit, and Niantic's place on the earth. */
+/* Types of other known records. A silent record changes nothing that is read, and gets no note: type 0, and Adobe's for the
+ * quantisation of SH and for limits of a camera's orbit. place_record is Niantic's georeference of the scene. */
 static const uint32_t system_record = 0xadbe0003, silent_records[] = {0, 0xadbe0001, 0xadbe0002}, place_record = 0x4e530001;
 
 static tides_status read_system(const char *path, const unsigned char *payload, uint32_t bytes, td_spz_records *found,
                                 tides_error *error) {
-    const uint32_t system = bytes == 4 ? td_le32(payload) : SYSTEMS + 1;
+    if (bytes != 4)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: its record 0x%08lx, a coordinate system, has %lu bytes instead of 4: export it again", path,
+                       (unsigned long)system_record, (unsigned long)bytes);
+    const uint32_t system = td_le32(payload);
     if (system > SYSTEMS)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: its coordinate system, %lu in %lu bytes, is none of 0 to %d", path,
-                       (unsigned long)system, (unsigned long)bytes, SYSTEMS);
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: its coordinate system %lu is none of 0 to %d, which TIDES knows: export it in one of these", path,
+                       (unsigned long)system, SYSTEMS);
     found->system = system;
     return TIDES_OK;
 }

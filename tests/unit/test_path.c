@@ -1,4 +1,5 @@
-/* Path files: each format read back from files written here, options, detection by content, saving, and real files. */
+/* Path files: TUM, ESIM, cameras.json, transforms.json and TIDES' own, from texts of this test. Options, detection by content,
+ * saving, generators, and real files. Other formats: test_path_datasets.c. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -23,7 +24,7 @@ static int make_folder(void **state) {
     const char *base = getenv("TMPDIR");
     snprintf(folder, sizeof folder, "%s/tides-path-XXXXXX", base ? base : "/tmp");
     if (!mkdtemp(folder)) return -1;
-    snprintf(file, sizeof file, "%s/path", folder); /* one name for all formats: content decides */
+    snprintf(file, sizeof file, "%s/path", folder); /* one name for all formats: only the content tells the format */
     return 0;
 }
 
@@ -83,7 +84,8 @@ static void assert_intrinsics(const tides_path *path, int width, int height, dou
 }
 
 static const double at_first[3] = {1, 2, 3}, at_second[3] = {4, 5, 6};
-static const double none[4] = {1, 0, 0, 0}, about_x[4] = {0.8, 0.6, 0, 0}; /* the latter: cos 0.28, sin 0.96 */
+static const double none[4] = {1, 0, 0, 0},
+                    about_x[4] = {0.8, 0.6, 0, 0}; /* about_x: half of an angle with cos 0.28, sin 0.96 */
 
 static void tum(void **state) {
     (void)state;
@@ -106,7 +108,7 @@ static void esim(void **state) {
     tides_trajectory_destroy(path.trajectory);
 }
 
-/* ROS stamps in nanoseconds: 1e18 ns has more digits than a double, but differences must be right to the nanosecond. */
+/* ROS stamps in nanoseconds: 1e18 ns has more digits than a double, but time differences must be right to the nanosecond. */
 static void stamps_keep_their_nanoseconds(void **state) {
     (void)state;
     tides_path_options options;
@@ -123,7 +125,8 @@ static void stamps_keep_their_nanoseconds(void **state) {
     assert_near(sample_of(&path, 0).time, 0.258555392, 2e-16);
     assert_near(sample_of(&path, 1).time, 0.5, 0.0);
     tides_trajectory_destroy(path.trajectory);
-    path = load_text("-2.3 1 2 3 0 0 0 1\n-1e-1 1 2 3 0 0 0 1\n3.3 1 2 3 0 0 0 1\n", NULL); /* nothing subtracted: as written */
+    path = load_text("-2.3 1 2 3 0 0 0 1\n-1e-1 1 2 3 0 0 0 1\n3.3 1 2 3 0 0 0 1\n",
+                     NULL); /* nothing is subtracted, so times are as written */
     assert_near(sample_of(&path, 0).time, -2.3, 0.0);
     assert_near(sample_of(&path, 1).time, -0.1, 0.0);
     assert_near(sample_of(&path, 2).time, 3.3, 0.0);
@@ -156,7 +159,7 @@ static void cameras(void **state) {
     tides_trajectory_destroy(path.trajectory);
 }
 
-/* In OpenGL axes the identity looks along -z with y up: half a turn about x from OpenCV's. */
+/* A camera in OpenGL axes looks along -z with y up: half a turn about x from a camera in OpenCV axes. */
 #define FRAME_ONE "\"transform_matrix\": [[1,0,0,1],[0,-1,0,2],[0,0,-1,3],[0,0,0,1]]"
 #define FRAME_TWO "\"transform_matrix\": [[1,0,0,4],[0,-0.28,0.96,5],[0,-0.96,-0.28,6]]"
 
@@ -167,7 +170,7 @@ static void transforms(void **state) {
                                 "{\"file_path\": \"a\", \"time\": 0.5, " FRAME_ONE "}]}",
                                 NULL);
     assert_string_equal(path.format, "transforms");
-    assert_sample(&path, 0, 0.5, at_first, none); /* sorted by time; seconds, since one is above 1 */
+    assert_sample(&path, 0, 0.5, at_first, none); /* sorted by time; times are in seconds, because one is above 1 */
     assert_sample(&path, 1, 2.5, at_second, about_x);
     assert_intrinsics(&path, 640, 480, 500, 500, 320, 241);
     tides_trajectory_destroy(path.trajectory);
@@ -189,11 +192,11 @@ static void transforms_of_trainers(void **state) {
     path = load_text("{\"frames\": [{\"w\": 800, \"h\": 600, \"camera_angle_x\": 0.7, " FRAME_ONE "},"
                      "{\"w\": 800, \"h\": 600, \"camera_angle_x\": 0.7, " FRAME_TWO "}]}",
                      &options);
-    assert_sample(&path, 0, 0.0, at_first, none); /* without times: even, in the order of the list */
+    assert_sample(&path, 0, 0.0, at_first, none); /* without times: evenly spaced, in the order of the list */
     assert_sample(&path, 1, 10.0, at_second, about_x);
     assert_intrinsics(&path, 800, 600, 400 / tan(0.35), 400 / tan(0.35), 400, 300);
     tides_trajectory_destroy(path.trajectory);
-    path = load_text("{\"frames\": [{" FRAME_ONE "}]}", NULL); /* a single one is a camera at rest */
+    path = load_text("{\"frames\": [{" FRAME_ONE "}]}", NULL); /* a single frame is a camera at rest */
     assert_int_equal(tides_trajectory_is_static(path.trajectory), 1);
     tides_trajectory_destroy(path.trajectory);
 }
@@ -233,7 +236,8 @@ static void assert_same_poses(const tides_trajectory *a, const tides_trajectory 
     }
 }
 
-/* What is saved is what was there, to the bit; also where the program's locale has a decimal comma. */
+/* A saved path loads with the same bits, also if the program's locale has a decimal comma. A save that fails leaves no .part
+ * file. */
 static void save_and_load(void **state) {
     (void)state;
     tides_path path = load_text(tides_text, NULL), again;
@@ -282,7 +286,8 @@ static void save_and_load(void **state) {
     tides_trajectory_destroy(path.trajectory);
 }
 
-/* Generators in a file make what their functions make; options move them in time. */
+/* An orbit, dolly or handheld path in a file equals the path of its tides_trajectory_create_ function. With `rebase` its time
+ * starts at 0. */
 static void generators(void **state) {
     (void)state;
     const tides_orbit orbit =
@@ -342,7 +347,7 @@ static int load_real(void *loaded, const char *name, const char *base) {
     }
     print_message("    %s: %s, %.0f poses, %.9g to %.9g s, up to %.3g per sample\n", base, path.format, steps + 1.0, start,
                   stop, fastest);
-    assert_true(fastest < 10.0); /* per sample: no wild swings */
+    assert_true(fastest < 10.0); /* per sample: a wrong order of poses or axes would swing wildly */
     tides_trajectory_destroy(path.trajectory);
     ++*(int *)loaded;
     return 0;

@@ -1,5 +1,5 @@
-/* A .spz whose record names the axes of its values: all 17 coordinate systems, by the meaning of their names, independently of
- * the reader: places, shapes, and colours on each side. And records that are wrong. */
+/* Tests a .spz whose record names the axes of its values. Places, shapes and colours must follow from the names of all 17
+ * coordinate systems, independently of the reader. Wrong records must be refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,7 @@
 enum { COUNT = 4, DEGREE = 3, COEFFICIENTS = 15, SYSTEMS = 17 };
 static const uint32_t RECORD = 0xadbe0003;
 
-/* Bytes of Gaussian after Gaussian, whatever they come to. */
+/* Random bytes for Gaussian after Gaussian. */
 static void add_noise(scene_bytes *b, uint64_t *seed, size_t bytes) {
     for (size_t i = 0; i < bytes; i++) splat_u8(b, (unsigned)(scene_next(seed) >> 40 & 255));
 }
@@ -196,7 +196,11 @@ static void all_systems(void **state) {
 static void wrong_records(void **state) {
     (void)state;
     scene_bytes unknown = make_record(RECORD, 17), b = make_streams(&unknown, 2);
-    splat_refused(td_spz_parse, &b, TIDES_UNSUPPORTED, "coordinate system, 17 in 4 bytes|0 to 16");
+    splat_refused(td_spz_parse, &b, TIDES_UNSUPPORTED, "coordinate system 17 is none of 0 to 16");
+    free(b.data);
+    splat_patch(&unknown, 4, 0);
+    b = make_streams(&unknown, 2);
+    splat_refused(td_spz_parse, &b, TIDES_UNSUPPORTED, "0xadbe0003, a coordinate system, has 0 bytes instead of 4");
     free(b.data);
     splat_patch(&unknown, 4, 400);
     b = make_streams(&unknown, 2);
@@ -205,7 +209,7 @@ static void wrong_records(void **state) {
     free(unknown.data);
 }
 
-/* Of what isn't read somebody should hear, but for what changes nothing (0xADBE0002). */
+/* The user gets a note on each record that isn't read, except on records that change nothing (0xADBE0002). */
 static void other_records(void **state) {
     (void)state;
     static const struct {

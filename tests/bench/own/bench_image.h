@@ -17,6 +17,11 @@ typedef struct bench_jumps {
 tides_status bench_find_jumps(bench *b, const bench_scene *scene, const tides_image_params *image, bench_jumps *jumps,
                               tides_error *error);
 
+/* Measures the run time [s] of a frame with L and L_dot for each of the `images`: the least of many runs. The images take
+ * turns. */
+tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_image_params *images, size_t count,
+                               double *seconds, tides_error *error);
+
 tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
 
 #endif

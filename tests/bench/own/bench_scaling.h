@@ -61,4 +61,7 @@ tides_status scaling_start(bench *b, const scaling_world *world, scaling_result 
 /* bench_scaling_figure.c: scaling.png. */
 tides_status scaling_figure(const bench *b, const scaling_line *lines, size_t count, tides_error *error);
 
+/* The benchmark. It opens devices in processes of its own. `axes`: names of the axes to measure, or none for all. */
+tides_status bench_scaling(bench *b, const cli_list *axes, tides_error *error);
+
 #endif

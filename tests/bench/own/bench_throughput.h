@@ -43,4 +43,6 @@ tides_status bench_sink_rows(bench *b, bench_stages *stages, tides_error *error)
 /* bench_throughput_figure.c: throughput.png. */
 tides_status bench_figure_stages(const bench *b, const bench_stages *stages, tides_error *error);
 
+tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error);
+
 #endif
