@@ -191,8 +191,8 @@ static void filter(const tile_job *job, td_pixel_step *pixel, td_kept_substeps *
     double state[TD_FRONTEND_STATE] = {0};
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) state[k] = sensor->filtered.state[k][pixel->i];
-    td_frontend_step_keeping(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state,
-                             &pixel->response, kept);
+    td_frontend_step(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state, &pixel->response,
+                     kept);
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) sensor->filtered.state[k][pixel->i] = state[k];
     pixel->end = state[0];
