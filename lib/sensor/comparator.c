@@ -241,7 +241,7 @@ static void sweep_noise(const tile_job *job, size_t first, size_t count, double 
         for (size_t k = 0; k < count; k++) input[k] = light_of(job, first + k);
     }
     const td_noise_sweep sweep = {noise->segment, noise->value, low, high, noise->light, input, noise->path, noise->paths};
-    td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
+    td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->segment.pixel + at, count,
                             &sweep);
     for (size_t k = 0; k < count; k++) {
         low[k] -= sensor->additive.reach;
