@@ -191,8 +191,8 @@ static void filter(const tile_job *job, td_pixel_step *pixel, td_kept_substeps *
     double state[TD_FRONTEND_STATE] = {0};
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) state[k] = sensor->filtered.state[k][pixel->i];
-    td_frontend_step_keeping(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state,
-                             &pixel->response, kept);
+    td_frontend_step(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state, &pixel->response,
+                     kept);
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) sensor->filtered.state[k][pixel->i] = state[k];
     pixel->end = state[0];
@@ -241,7 +241,7 @@ static void sweep_noise(const tile_job *job, size_t first, size_t count, double 
         for (size_t k = 0; k < count; k++) input[k] = light_of(job, first + k);
     }
     const td_noise_sweep sweep = {noise->segment, noise->value, low, high, noise->light, input, noise->path, noise->paths};
-    td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
+    td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->segment.pixel + at, count,
                             &sweep);
     for (size_t k = 0; k < count; k++) {
         low[k] -= sensor->additive.reach;

@@ -94,7 +94,7 @@ void td_sensor_refer(const td_sensor *sensor, size_t i, double L) {
 static void begin_noise(const td_sensor *sensor, size_t i, double L) {
     const double light = isfinite(L) ? L : 0;
     sensor->segment.number[i] = 0;
-    sensor->segment.value[i] = td_additive_noise_first(&sensor->additive, sensor->number[i], light);
+    sensor->segment.value[i] = td_additive_noise_first(&sensor->additive, sensor->segment.pixel[i], light);
     if (sensor->segment.light) sensor->segment.light[i] = light;
 }
 

@@ -90,7 +90,7 @@ static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (w->segment_until > s) return;
     while (sensor->additive.on && w->noise_until <= s && w->noise_until < 1) {
-        td_additive_noise_next_along(&sensor->additive, sensor->number[w->pixel->i],
+        td_additive_noise_next_along(&sensor->additive, sensor->segment.pixel[w->pixel->i],
                                      td_noise_light_of(&w->pixel->input, w->noise_until), &w->path, &w->segment);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
@@ -109,7 +109,7 @@ static void begin_segments(walk *w) {
     if (sensor->additive.on) {
         w->path = w->pixel->noise;
         w->segment =
-            td_additive_noise_along(&sensor->additive, sensor->number[i], (uint64_t)sensor->segment.number[i],
+            td_additive_noise_along(&sensor->additive, sensor->segment.pixel[i], (uint64_t)sensor->segment.number[i],
                                     sensor->segment.value[i], sensor->segment.light ? sensor->segment.light[i] : 0, &w->path);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
@@ -122,7 +122,7 @@ static double noise_at(const walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     const double kick = kick_at(w, s);
     if (!sensor->additive.on) return kick;
-    return kick + td_noise_value(&sensor->additive, sensor->number[w->pixel->i], &w->segment, time_at(w, s));
+    return kick + td_noise_value(&sensor->additive, sensor->segment.pixel[w->pixel->i], &w->segment, time_at(w, s));
 }
 
 /* 1: with any noise of the current segment, a response within [low, high] is between the levels. */
@@ -141,7 +141,7 @@ static int cross(walk *w, double from, double until, double *at) {
     if (!sensor->additive.on) return td_response_crossing(response, w->reference, w->on, w->off, from, until, at);
     if (stays_between(w, w->low, w->high)) return 0;
     const td_noise_search search = {&sensor->additive,
-                                    sensor->number[w->pixel->i],
+                                    sensor->segment.pixel[w->pixel->i],
                                     w->job->start,
                                     w->job->step->length_ns,
                                     response,

@@ -9,13 +9,13 @@
 
 td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel) {
     const double light = sensor->segment.light ? sensor->segment.light[pixel] : 0;
-    return td_additive_noise_resume(&sensor->additive, sensor->number[pixel], (uint64_t)sensor->segment.number[pixel],
+    return td_additive_noise_resume(&sensor->additive, sensor->segment.pixel[pixel], (uint64_t)sensor->segment.number[pixel],
                                     sensor->segment.value[pixel], light);
 }
 
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
-    if (!sensor->number) return 0;
-    const uint32_t number = sensor->number[pixel];
+    if (!sensor->segment.pixel) return 0;
+    const uint32_t number = sensor->segment.pixel[pixel];
     const double kick =
         sensor->kick.on ? td_kick_at(&sensor->kick, (int32_t)(number / (uint32_t)sensor->image_width), time) : 0;
     if (!sensor->additive.on) return kick;

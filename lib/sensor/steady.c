@@ -174,7 +174,7 @@ static double follow_path(pixel *p, double now, double first, double spacing) {
 td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate) {
     const td_noise_segment at = td_sensor_noise_segment(sensor, i);
     const td_additive_noise *noise = &sensor->additive;
-    pixel p = {.sensor = sensor, .number = sensor->number[i]};
+    pixel p = {.sensor = sensor, .number = sensor->segment.pixel[i]};
     p.on = sensor->threshold_on[i];
     p.off = sensor->threshold_off[i];
     p.leak = sensor->leak[i];

@@ -96,8 +96,8 @@ typedef struct td_sensor {
     struct {
         double *number, *value; /* additive noise's segment at the time reached: its number, value at its begin [log units], */
         double *light;          /* and log-luminance there, of noise that depends on light */
+        uint32_t *pixel;        /* the pixel's number in the image, for additive noise and kicks */
     } segment;
-    uint32_t *number; /* the pixel's number in the image, for additive noise */
     struct {
         td_carried row[TD_CARRIED_MAX];
         int count;
