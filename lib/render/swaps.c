@@ -377,25 +377,42 @@ static void look_at_all(td_swap_tile *of, td_swap_splat *all, int count, int (*o
     }
 }
 
-static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
+/* Looks at the splats of a tile that fade, if it has few splats. */
+static tides_status look_at_fades(const tides_renderer *renderer, struct td_swaps *swaps, td_swap_tile *of) {
+    const int *first = renderer->candidates.first + of->tile, *list = renderer->candidates.list;
+    const size_t each = 2 * ((size_t)of->at->parts + 1);
+    if (first[1] - first[0] > FEW_SPLATS) return TIDES_OK;
+    of->status = td_reserve((void **)&swaps->depth, &swaps->depth_capacity, each, sizeof *swaps->depth, of->error);
+    for (int i = first[0]; i < first[1] && of->status == TIDES_OK; i++) {
+        td_swap_splat one;
+        if (list[i] < 0 || swaps->mover[list[i]] >= 0 || !td_swaps_is_fading(renderer, of->at, list[i])) continue;
+        take_splat(renderer, swaps, of->at, list[i], swaps->depth, &one);
+        td_swaps_look_at_fade(of, &one);
+    }
+    return of->status;
+}
+
+static td_swap_tile tile_of(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
                             tides_error *error) {
+    const int across = renderer->candidates.tiles_x;
+    return (td_swap_tile){.swaps = swaps,
+                          .image = &renderer->image,
+                          .at = at,
+                          .tile = tile,
+                          .corner = {tile % across * TD_TILE, tile / across * TD_TILE},
+                          .contrast = renderer->store.sh_stride > 3 ? by_view : 0,
+                          .status = TIDES_OK,
+                          .error = error};
+}
+
+static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swaps, td_swap_tile *of) {
     const double near = TD_SWAP_REACH * renderer->image.soft_depth;
     int count, bodies, within;
-    tides_status status = take_splats(renderer, swaps, at, tile, &count, &bodies, &within, error);
-    const int across = renderer->candidates.tiles_x;
-    td_swap_tile of = {.swaps = swaps,
-                       .image = &renderer->image,
-                       .at = at,
-                       .tile = tile,
-                       .corner = {tile % across * TD_TILE, tile / across * TD_TILE},
-                       .contrast = renderer->store.sh_stride > 3 ? by_view : 0,
-                       .status = status,
-                       .error = error};
-    if (count == 0) return status;
-    if (bodies) look_at_all(&of, swaps->splat, count, by_depth, look_across, near);
-    if (within) look_at_all(&of, swaps->splat, count, by_start, look_within, near);
-    swaps->tiles_cut += of.is_cut;
-    return of.status;
+    of->status = take_splats(renderer, swaps, of->at, of->tile, &count, &bodies, &within, of->error);
+    if (count == 0 || of->status != TIDES_OK) return of->status;
+    if (bodies) look_at_all(of, swaps->splat, count, by_depth, look_across, near);
+    if (within) look_at_all(of, swaps->splat, count, by_start, look_within, near);
+    return of->status;
 }
 
 static int by_place(const void *a, const void *b) {
@@ -437,9 +454,14 @@ tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajec
     swaps->tiles_cut = 0;
     status = td_swaps_move(renderer, swaps, &at, error);
     if (status != TIDES_OK) return status;
-    if (!find_who_may(renderer, swaps, &at)) return status;
-    for (int tile = 0; tile < renderer->stats.tiles && status == TIDES_OK; tile++)
-        if (renderer->candidates.moving[tile]) status = look_in(renderer, swaps, &at, tile, error);
+    const int may = find_who_may(renderer, swaps, &at), fade = td_swaps_some_fade(renderer, swaps, &at);
+    for (int tile = 0; tile < renderer->stats.tiles && status == TIDES_OK && (may || fade); tile++) {
+        if (!renderer->candidates.moving[tile]) continue;
+        td_swap_tile of = tile_of(renderer, swaps, &at, tile, error);
+        if (may) status = look_in(renderer, swaps, &of);
+        if (fade && status == TIDES_OK) status = look_at_fades(renderer, swaps, &of);
+        swaps->tiles_cut += of.is_cut;
+    }
     return status == TIDES_OK ? lay_swaps(renderer, swaps, error) : status;
 }
 
