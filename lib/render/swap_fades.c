@@ -1,5 +1,5 @@
-/* Splats that fade at the near plane within an interval, for the search of swaps of depth (td_swaps.h): alpha passes the taper of
- * opacity in less time than the fade takes. */
+/* Splats that fade at the near plane within an interval, for the search of swaps of depth (td_swaps.h): alpha passes the taper
+ * of opacity in less time than the fade takes. */
 #include "camera/td_rotation.h"
 #include "td_extremes.h"
 #include "td_swaps.h"

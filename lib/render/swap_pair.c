@@ -250,7 +250,7 @@ static double faded_to(const td_image *image, double share) {
     return image->near + from * (image->near_full - image->near);
 }
 
-/* Of a splat that fades at the near plane in part k, notes for a block when alpha passes the taper. z: depths, as a cubic. */
+/* Notes when alpha passes the taper in a block, for a splat that fades at the near plane in part k. z: its depths, a cubic. */
 static void note_fade(td_swap_tile *tile, const td_swap_splat *a, const form *f, int block, const double z[4], int k) {
     const td_image *image = tile->image;
     const double per_part = (double)TD_SWAP_PARTS / tile->at->parts;
