@@ -66,6 +66,7 @@ struct td_swaps {
     size_t view_capacity;
     td_swap *swap; /* (count) sorted by block, then time */
     size_t count, swap_capacity;
+    int some_may, some_fade;  /* 1: in this interval splats may swap, or fade at the near plane */
     int tiles_cut;            /* of all portions */
     int32_t *first;           /* (blocks + 1) */
     td_swap_portion *portion; /* (portions) */
@@ -91,12 +92,36 @@ typedef struct td_swap_tile {
     tides_error *error;
 } td_swap_tile;
 
+/* Possible partners of a splat in a swap. TD_MAY_SWAP: only splats of other bodies; TD_MAY_SLOWLY: in tiles with few splats also of
+ * its own body; TD_MAY_SHORTLY: also of its own body, if the swap is short; TD_MAY_ALONE: also of its own body. */
+enum { TD_MAY_NOT, TD_MAY_SWAP, TD_MAY_SLOWLY, TD_MAY_SHORTLY, TD_MAY_ALONE };
+
+/* Depth of a point in a view. */
+static inline double td_swaps_depth(const td_view *view, const double *mean) {
+    return view->r[6] * mean[0] + view->r[7] * mean[1] + view->r[8] * mean[2] + view->t[2];
+}
+
+/* Half the distance, in its object's units, between a splat at depth z and a splat that shares a pixel with it at that
+ * depth. */
+double td_swaps_reach(const tides_renderer *renderer, const struct td_swaps *swaps, int g, double z);
+
+/* Searches a tile, and adds its swaps and fades to the portion's (swap_tile.c). */
+TIDES_MUST_CHECK tides_status td_swaps_look_in(const tides_renderer *renderer, const struct td_swaps *swaps,
+                                               const td_swap_samples *at, int tile, td_swap_portion *portion);
+
 /* Works out the splats that motion models move at the samples (swap_movers.c). */
 TIDES_MUST_CHECK tides_status td_swaps_move(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at,
                                             tides_error *error);
 
 /* Adds all swaps of two splats that take no more than this share to those of the tile's blocks (swap_pair.c). */
 void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b, double slow);
+
+/* td_swaps_is_fading: 1 if splat g fades at the near plane within the interval, by its depths at the start, the middle and the
+ * end. td_swaps_some_fade: 1 if any does that no motion model moves; 0 through a lens, where places aren't computed.
+ * td_swaps_look_at_fade adds to those of a tile's blocks when they see such a splat pass the taper of opacity. */
+int td_swaps_is_fading(const tides_renderer *renderer, const td_swap_samples *at, int g);
+int td_swaps_some_fade(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at);
+void td_swaps_look_at_fade(td_swap_tile *tile, const td_swap_splat *a);
 
 tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error);
 void td_swaps_destroy(struct td_swaps *swaps);
