@@ -190,7 +190,7 @@ TD_INLINE td_dual td_path_a(const td_path_splat *splat) {
 }
 
 /* Adds green and blue to `luminance`, which is red so far. Errors add by absolute value, since an error of one channel isn't
- * made up for by another's. They are those of colours that aren't clamped, which are no smaller. */
+ * made up for by another's. Colours are compared before their clamp, since a clamp makes no error greater. */
 TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, const td_path_cubic *cubic,
                                 const td_image *image, td_path_splat *own, td_path_stray *off) {
     own->luminance = td_dual_scale(td_sh_floor(own->luminance, image->colour_floor), image->luminance[0]);

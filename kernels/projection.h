@@ -350,7 +350,7 @@ TD_INLINE td_colour td_project_colour_above(TD_GLOBAL const td_view *view, const
                         td_sh_degree(image));
 }
 
-/* Those colours, clamped as the object's method does. */
+/* The colours that td_project_colour_above computes, clamped at the floor of the object's method. */
 TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                       const td_gaussian *gaussian, td_index row) {
     return td_project_colour_above(view, image, source, gaussian, row, view->colour_floor);
