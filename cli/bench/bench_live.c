@@ -248,14 +248,13 @@ static void print_table(const live_rows *all) {
 static tides_status draw(const bench *b, const live_rows *all, tides_error *error) {
     enum { CURVES_MAX = CANVAS_SERIES, POINTS = 50 };
     double ms[CURVES_MAX][POINTS], percent[POINTS];
-    cli_canvas canvas =
-        bench_canvas(b, 1000, 720,
-                     "latency of live runs (346x260, a pose every millisecond), and of packets of 1 ms over ROS 2");
+    cli_canvas canvas = bench_canvas(b, 1000, 720, "live runs, 346x260, a pose every millisecond; ROS 2, packets of 1 ms");
     plot_panel panel = {.left = 120, .top = 110, .right = 960, .bottom = 560, .y_high = 100, .y_linear = 1};
     plot_curve curves[CURVES_MAX];
     char labels[CURVES_MAX][96];
     const int32_t count = all->count < CURVES_MAX ? (int32_t)all->count : CURVES_MAX;
-    panel.title = "latency of a step or packet", panel.x_label = "latency [ms]", panel.y_label = "share within it [%]";
+    panel.title = "latency of a step or packet", panel.x_label = "latency [ms]",
+    panel.y_label = "steps or packets within it [%]";
     panel.x_low = INFINITY;
     for (int32_t i = 0; i < count; i++) {
         const live_row *r = &all->rows[i];

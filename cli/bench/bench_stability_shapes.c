@@ -72,14 +72,14 @@ static void alter(int32_t kind, double size, int32_t i, const stability_world *w
     }
 }
 
-/* Gives the world a camera that flies forward: splats that are just beyond its near plane pass through the plane. */
+/* Gives the world a camera that flies forward, so that splats just beyond its near plane pass through it. */
 static tides_status go_forward(stability_world *w, tides_error *error) {
     static const stability_slide forward = {.velocity = {0.5, 0, 5}};
     return stability_path(w, &forward, &w->scene.camera, error);
 }
 
 /* Adds the pile to the world with harmonics of degree 3, and frees it. The coefficients of all bands are random within
- * [-size, size]: colours change with the direction, and where they would be negative they are cut at 0. */
+ * [-size, size]. So colours change with the direction of view, and the image formation cuts negative ones at 0. */
 static tides_status put_bands(stability_pile *pile, stability_world *w, double size, tides_error *error) {
     enum { COEFFICIENTS = 16 };
     float *sh = malloc(pile->count * COEFFICIENTS * 3 * sizeof *sh);

@@ -1,11 +1,11 @@
 /* COLMAP's images.txt and images.bin, which hold the poses, with the intrinsics from cameras.txt or cameras.bin beside them.
  *
- * Text: two lines per image, `ID QW QX QY QZ TX TY TZ CAMERA_ID NAME` and one of points, which is skipped and may be empty.
- * '#' at a line's start is a comment. Binary, little-endian: uint64 count, then {uint32 id, double q[4], double t[3], uint32
- * camera, name ending in 0, uint64 points, 24 bytes for each}. q and t map the world to the camera in OpenCV axes.
+ * Text: two lines per image. The first is `ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`; the second has points, is skipped, and may
+ * be empty. '#' at a line's start begins a comment. Binary, little-endian: uint64 count, then {uint32 id, double q[4], double
+ * t[3], uint32 camera, name ending in 0, uint64 points, 24 bytes for each}. q and t map the world to the camera in OpenCV axes.
  *
  * There are no times. Images are put in the order of their names, with digits as numbers, which for a video's frames is their
- * order in time. They are spread evenly over `duration`. */
+ * order in time. Their times are spread evenly over `duration`. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_colmap.h"

@@ -176,7 +176,7 @@ static void lenses(void **state) {
     }
 }
 
-/* What differs from frame to frame is no lens. */
+/* A lens that differs from frame to frame is none. */
 static void lenses_that_differ(void **state) {
     write_text(scene_in_folder(*state, "transforms.json"),
                "{\"frames\": [{\"k1\": 0.1, \"transform_matrix\": [[1,0,0,1],[0,-1,0,2],[0,0,-1,3]]},"
