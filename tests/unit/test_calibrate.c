@@ -445,7 +445,16 @@ static void what_cant_be_is_said(void **state) {
                        "outside|20x30");
     options.given[TIDES_CALIBRATED_ON] = 0.2;
     scene_expect_error(tides_calibrate(file, session, &options, NULL, NULL, &found, &error), TIDES_BAD_ARGUMENT, &error,
-                       "measured");
+                       "threshold_on|measured");
+    options.given[TIDES_CALIBRATED_ON] = NAN;
+    options.given[TIDES_CALIBRATED_REFRACTORY] = -1;
+    scene_expect_error(tides_calibrate(file, session, &options, NULL, NULL, &found, &error), TIDES_BAD_ARGUMENT, &error,
+                       "given refractory_s is -1; it must be finite and not negative");
+    options.given[TIDES_CALIBRATED_REFRACTORY] = NAN;
+    options.given[TIDES_CALIBRATED_OFFSET] = -INFINITY;
+    scene_expect_error(tides_calibrate(file, session, &options, NULL, NULL, &found, &error), TIDES_BAD_ARGUMENT, &error,
+                       "given offset_s is -inf; it must be finite");
+    assert_null(strstr(error.text, "negative"));
     options.size = 4;
     scene_expect_error(tides_calibrate(file, session, &options, NULL, NULL, &found, &error), TIDES_BAD_ARGUMENT, &error,
                        "defaults");
