@@ -60,7 +60,9 @@ tides_status batch_dataset(const batch *b, const batch_run *run, const char *sta
     const cli_common quiet = {.quiet = 1, .device = b->common->device};
     tides_session *session = NULL;
     tides_dataset_report report;
-    if (run->count > CLI_LIST_MAX) return cli_error(error, TIDES_BAD_CONFIG, "over %d keys are set", CLI_LIST_MAX);
+    if (run->count > CLI_LIST_MAX)
+        return cli_error(error, TIDES_BAD_CONFIG, "the run sets over %d keys: write some of them into its run file",
+                         CLI_LIST_MAX);
     for (size_t i = 0; i < run->count; i++) sets.items[sets.count++] = run->sets[i];
     char *folder = batch_text("%s/dataset", run->directory);
     cli_progress progress = {.quiet = 1};

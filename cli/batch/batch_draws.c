@@ -1,9 +1,15 @@
-/* Random draws of a batch: "draw": {"count": N, "seed": "S", "set": {KEY: [LOWEST, HIGHEST] or [VALUE, ...]}} makes N runs.
- * Each has for each key a number between two, or one value of a list. {"of": KEY, "times": [LOWEST, HIGHEST]} is the value
- * drawn for another key, times a number between two, so that thresholds go together. Each run gets a seed of its own, unless
- * one is given: otherwise a model trained on many runs would learn their common noise.
+/* Random draws of a batch: "draw": {"count": N, "seed": "S", "set": {KEY: ITEM, ...}} makes N runs. In each run, KEY has a
+ * value that is drawn from its item:
+ *   - [LOWEST, HIGHEST]: two numbers are a range, and the value is a random number of it.
+ *   - [VALUE, ...]: any other list is a choice of values.
+ *   - {"of": OTHER, "times": [LOWEST, HIGHEST]}: the value drawn for the key OTHER, times a random number of the range. It
+ *     keeps two thresholds near each other, for example. OTHER must have a range, and not be "seed".
  *
- * Each value is a function of (seed, number of the run, key): adding a key, or more runs, changes no other value. */
+ * A run's own key "seed" is derived from S and the run's index, unless the run file or a "set" gives that key. With one seed
+ * for all runs, a model trained on them would learn their common noise.
+ *
+ * The random number behind each value is a function of (S, index of the run, key) alone. So another key, or more runs,
+ * changes no other value. */
 #include "batch.h"
 
 #include <inttypes.h>
@@ -11,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A hash of the texts, mixed by the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
+/* 64 random bits: a hash of "draw", seed, index and key, mixed by the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 static uint64_t random_bits(const char *seed, int index, const char *key) {
     char number[16];
     snprintf(number, sizeof number, "%d", index);
@@ -22,7 +28,7 @@ static uint64_t random_bits(const char *seed, int index, const char *key) {
     return bits ^ bits >> 31;
 }
 
-/* Uniform in [0, 1): 53 bits of the hash. */
+/* A random number, uniform in [0, 1), of 53 bits. */
 static double uniform(const char *seed, int index, const char *key) {
     return ldexp((double)(random_bits(seed, index, key) >> 11), -53);
 }
@@ -44,7 +50,8 @@ static int32_t is_range(const cJSON *values) {
     return cJSON_GetArraySize(values) == 2 && cJSON_IsNumber(values->child) && cJSON_IsNumber(values->child->next);
 }
 
-/* A number between two: whole, both ends included, for whole keys and for the seed, which is a text of digits. */
+/* The number at the share `u` (0 to 1) of `range`. For integer keys and "seed" it is a whole number, and may be HIGHEST; "seed"
+ * gets it as a text of digits. */
 static cJSON *between(const char *key, const cJSON *range, double u) {
     const tides_param *row = row_of(key);
     const double low = range->child->valuedouble, high = range->child->next->valuedouble;
@@ -57,7 +64,8 @@ static cJSON *between(const char *key, const cJSON *range, double u) {
     return cJSON_CreateString(text);
 }
 
-/* The value drawn for another key, times a number between two. */
+/* The value of {"of": OTHER, "times": RANGE}: OTHER's value, at the share `of_base` of its range `base`, times the number at
+ * the share `u` of RANGE. */
 static cJSON *times(const cJSON *item, const cJSON *base, double u, double of_base) {
     const cJSON *range = cJSON_GetObjectItemCaseSensitive(item, "times");
     cJSON *first = between(base->string, base, of_base);
@@ -71,7 +79,8 @@ static const cJSON *one_of(const cJSON *values, double u) {
     return cJSON_GetArrayItem(values, (int)(u * cJSON_GetArraySize(values)));
 }
 
-/* The other key of {"of": KEY, "times": RANGE}, which must have a range itself; NULL: `item` has another form. */
+/* The range in `from` of the key OTHER, if `item` is {"of": OTHER, "times": RANGE}. NULL: `item` has another form, or OTHER is
+ * "seed" or has no range. */
 static const cJSON *base_of(const cJSON *from, const cJSON *item) {
     const cJSON *of = cJSON_GetObjectItemCaseSensitive(item, "of");
     const cJSON *base = cJSON_IsString(of) && strcmp(of->valuestring, "seed") != 0
@@ -89,11 +98,12 @@ tides_status batch_check_draws(const batch *b, const cJSON *from, tides_error *e
     cJSON_ArrayForEach(item, from) {
         if (cJSON_IsObject(item) && !base_of(from, item))
             return cli_error(error, TIDES_BAD_CONFIG,
-                             "%s: draw: %.100s: write { \"of\": KEY, \"times\": [LOWEST, HIGHEST] }, with a KEY that is drawn "
-                             "from a range",
+                             "%s: draw: %.100s isn't { \"of\": KEY, \"times\": [LOWEST, HIGHEST] } with another KEY that has "
+                             "a range, and isn't seed",
                              b->manifest, item->string);
         if (!cJSON_IsObject(item) && (!cJSON_IsArray(item) || !item->child))
-            return cli_error(error, TIDES_BAD_CONFIG, "%s: draw: %.100s is no list; write [LOWEST, HIGHEST], or values",
+            return cli_error(error, TIDES_BAD_CONFIG,
+                             "%s: draw: %.100s has nothing to draw from: write [LOWEST, HIGHEST] or a list of values",
                              b->manifest, item->string);
         if (is_reversed(item) || is_reversed(cJSON_GetObjectItemCaseSensitive(item, "times")))
             return cli_error(error, TIDES_BAD_CONFIG, "%s: draw: %.100s: its lowest is above its highest", b->manifest,

@@ -1,4 +1,5 @@
-/* One run of a batch, in a process of its own: the main job of `tides simulate`, with the files of the run's folder. */
+/* Makes one run of a batch, in a process of its own and in the run's folder: events (as `tides simulate`), a dataset, or the
+ * output of the run's command. */
 #include "batch.h"
 
 #include <errno.h>
@@ -32,11 +33,11 @@ static void free_files(job_files *files) {
     free(files->failure);
 }
 
-/* Locks the folder, against another batch, or a process that a killed batch left behind. The lock ends with the process; the
- * system may take a moment to end a killed one. */
+/* Locks the folder, so that no other batch, and no process left over from a killed batch, works in it. It tries for 5 s,
+ * because a process that was just killed holds its lock until the system has ended it. */
 static tides_status lock_folder(const batch_run *run, tides_error *error) {
     enum { TRIES = 250 };
-    static const struct timespec pause = {0, 20000000};
+    static const struct timespec pause = {0, 20000000}; /* 20 ms between two tries */
     char *path = batch_text("%s/lock", run->directory);
     const int file = path ? open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666) : -1;
     free(path);
@@ -51,7 +52,8 @@ static tides_status lock_folder(const batch_run *run, tides_error *error) {
                      run->directory);
 }
 
-/* Writes the result: the description, and those statistics that don't depend on the machine's speed. */
+/* Writes result.json: the run's name, hash, file and sets (batch_describe), and the statistics that don't depend on the
+ * machine's speed. A command's run has the version of TIDES in place of statistics. */
 static tides_status write_result(const batch_run *run, const job_files *files, tides_error *error) {
     static const char *const of_events[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
                                             "height", "device",    "version",    "numerics",         "seed",        NULL};
@@ -65,15 +67,22 @@ static tides_status write_result(const batch_run *run, const job_files *files, t
         cJSON *copy = cJSON_Duplicate(cJSON_GetObjectItemCaseSensitive(stats, kept[i]), 1);
         ok = copy && cJSON_AddItemToObject(result, kept[i], copy);
     }
-    tides_status status = ok ? batch_write_json(files->result, result, error)
-                             : cli_error(error, TIDES_BAD_FILE, "%s: can't be read back", files->stats);
+    tides_status status = TIDES_OK;
+    if (ok)
+        status = batch_write_json(files->result, result, error);
+    else if (!result || run->command)
+        status = batch_no_memory(error);
+    else
+        status = cli_error(error, TIDES_BAD_FILE,
+                           "%s: can't be read back, or lacks a statistic: remove it, and run the batch again", files->stats);
     cJSON_Delete(result);
     cJSON_Delete(stats);
     return status;
 }
 
-/* Removes an older result before anything else changes. A checkpoint counts only under a job of the same hash; so do the
- * statistics of a dataset, which are written last. */
+/* Removes an older result before anything else changes. `*resume` becomes 1 if job.json has the run's hash, and the folder
+ * has a checkpoint or, for a dataset, the dataset and stats.json. Such a dataset is complete, because stats.json is written
+ * last. If `*resume` is 0, older output is removed. */
 static tides_status begin(const batch_run *run, const job_files *files, int32_t *resume, tides_error *error) {
     tides_status status = batch_remove(files->result, error);
     if (status == TIDES_OK) status = batch_remove(files->failure, error);
@@ -91,7 +100,8 @@ static tides_status begin(const batch_run *run, const job_files *files, int32_t 
     return status == TIDES_OK ? batch_write_run(run, error) : status;
 }
 
-/* Opens a log as stdout and stderr, and empties it. A link isn't followed: it would empty another file. */
+/* Makes the log stdout and stderr, for appending. A link isn't followed, because batch_job empties the log later, and would
+ * empty another file. */
 static int32_t log_to(const char *path) {
     const int file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0666);
     const int32_t ok = file >= 0 && dup2(file, STDERR_FILENO) >= 0 && dup2(file, STDOUT_FILENO) >= 0;
@@ -99,7 +109,8 @@ static int32_t log_to(const char *path) {
     return ok;
 }
 
-/* Appends stdout and stderr to log.txt: until the folder is locked the log may be another process's. */
+/* Appends stdout and stderr to log.txt. It isn't emptied yet, because another process may write it until the folder is
+ * locked. */
 static tides_status open_log(const batch_run *run, tides_error *error) {
     char *path = batch_text("%s/log.txt", run->directory);
     if (mkdir(run->directory, 0777) != 0 && errno != EEXIST)
@@ -113,7 +124,8 @@ static tides_status open_log(const batch_run *run, tides_error *error) {
 /* Simulates; errors become lines of the log. */
 static int simulate(const batch *b, const batch_run *run, const job_files *files, int32_t resume) {
     cli_list sets = {.count = 0};
-    if (run->count > CLI_LIST_MAX) return cli_failed("over %d keys are set", CLI_LIST_MAX);
+    if (run->count > CLI_LIST_MAX)
+        return cli_failed("the run sets over %d keys: write some of them into its run file", CLI_LIST_MAX);
     for (size_t i = 0; i < run->count; i++) sets.items[sets.count++] = run->sets[i];
     const cli_common quiet = {.quiet = 1, .device = b->common->device};
     const cli_job job = {.run = run->file,
@@ -160,7 +172,7 @@ char *batch_last_words(const batch_run *run) {
         if (line[0]) memcpy(last, line, sizeof last);
     }
     if (file) fclose(file);
-    char *words = last[0] ? batch_words(last) : batch_text("ended without a word; see %s", path ? path : run->directory);
+    char *words = last[0] ? batch_words(last) : batch_text("ended without a message; see %s", path ? path : run->directory);
     free(path);
     return words;
 }

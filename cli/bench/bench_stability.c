@@ -1,16 +1,19 @@
-/* tides bench stability: rows made to break the simulator, with a verdict on each.
+/* `tides bench stability`: worlds made to break the simulator, with a verdict on each. A world is a scene, a camera and the
+ * stepping. A row of the results is one such world, its measurements and its verdict.
  *
- * A row is a small world of its own. It is rendered and simulated on the device, in the float reference, whose bits the device
- * must match, and in the double reference with the same steps allowed, against which errors are measured. Its run time is
- * compared with that of an ordinary world of as many pixels, splats and steps. Worlds that single precision can't hold must be
- * refused, with the message that the row names. */
+ * The device, the float reference and the double reference render and simulate the world with the same stepping parameters.
+ * The device must match the bits of the float reference. Its errors are measured against the double reference. With
+ * STABILITY_IMAGE_ONLY the references only render; with STABILITY_ALONE they do neither. The run time is compared with that
+ * of a benign world: an ordinary one of as many pixels, splats and steps. A row with a `refusal` must be refused with an
+ * error that contains this text, for values beyond single precision or invalid parameters, for example. */
 #include "bench_stability.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A row that takes longer [s] counts as one that hangs. The slowest rows that pass take a third of this on two cores. */
+/* Time limits of a row, and of a row with STABILITY_BIG [s]. A row that takes longer is killed, and fails. The slowest rows
+ * that pass take a third of their limit on two cores. */
 #define LIMIT_S 120.0
 #define BIG_LIMIT_S 1200.0
 
@@ -26,7 +29,8 @@ static void measure(void *user, void *result) {
 
 /* -- rows ------------------------------------------------------------------------------------------------------------------ */
 
-/* Chooses the named rows, or all; returns their number. */
+/* Fills `rows` with the named cases. Without names it takes all cases, or with --quick all that aren't STABILITY_BIG. Returns
+ * their number. */
 static size_t choose(const bench *b, const cli_list *names, stability_row *rows) {
     size_t count = 0;
     for (size_t i = 0; i < names->count; i++) rows[count++].of = stability_find(names->items[i]);
@@ -125,7 +129,7 @@ static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_C
     return sizeof made / sizeof made[0];
 }
 
-/* Adds the bounds to the results. */
+/* Adds a sentence on each default bound to the header, and removes its list "scenes", which this benchmark leaves empty. */
 static int32_t add_bounds(cJSON *header) {
     cJSON *bounds = cJSON_AddObjectToObject(header, "bounds");
     int32_t ok = bounds != NULL;
@@ -151,7 +155,7 @@ static void print_summary(const bench *b, const stability_row *rows, size_t coun
         refused += rows[i].verdict.pass && rows[i].of->refusal;
         if (!rows[i].verdict.pass) printf("FAIL  %-24s %s\n", rows[i].of->name, rows[i].verdict.why);
     }
-    printf("%zu rows: %zu pass (%zu of them refused with the line they should have), %d fail\n", count,
+    printf("%zu rows: %zu pass (%zu of them refused with the message that they must have), %d fail\n", count,
            count - (size_t)b->failed, refused, (int)b->failed);
 }
 

@@ -42,7 +42,8 @@ const char *td_aedat4_attribute(const char *from, const char *key) {
     return value ? value + 1 : NULL;
 }
 
-/* The number of the stream that `inside` belongs to: the name of the XML node around it. */
+/* The number of the stream whose attribute is at `inside`: the name of the last XML node that begins before `inside`; -1 if
+ * there is none. */
 static int32_t stream_number(const char *xml, const char *inside) {
     static const char mark[] = "<node name=\"";
     const char *found = NULL;
@@ -79,7 +80,10 @@ tides_status td_aedat4_header(td_flat header, const char *path, int32_t *compres
     if (!text) return td_aedat4_damaged(path, error);
     *compression = packing ? (int32_t)td_le32(header.data + packing) : TD_AEDAT4_NONE;
     if (*compression < 0 || *compression > TD_AEDAT4_ZSTD_HIGH)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: compression %d isn't known: NONE, LZ4 and ZSTD are", path, *compression);
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: its packets have compression %d, but only 0 to 4 are read (none, LZ4, LZ4 high, Zstandard, "
+                       "Zstandard high): save it with one of these",
+                       path, *compression);
     *end = position ? td_le64(header.data + position) : 0;
     *xml = td_alloc(length + 1, 1, error);
     if (!*xml) return TIDES_NO_MEMORY;

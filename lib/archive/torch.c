@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The bytes of a storage, once read. */
+/* The bytes of a member of the archive; NULL until it is read. */
 typedef struct payload {
     const unsigned char *data;
 } payload;
@@ -74,7 +74,7 @@ static tides_status find_storage(td_pickle *pickle, const td_value *id, td_value
     return status;
 }
 
-/* Fails if the archive has a byte order (newer torch) and it isn't little-endian. */
+/* Fails if the archive has a member STEM/byteorder (newer versions of torch write it) with another text than "little". */
 static tides_status check_order(td_torch *torch, td_tree *tree, tides_error *error) {
     const td_zip_member *member = NULL;
     const unsigned char *text = NULL;

@@ -1,5 +1,6 @@
-/* Writes Prophesee's HDF5 files as openeb reads them: /CD/events in packed chunks, /CD/indexes with one entry for every 2 ms,
- * an empty /EXT_TRIGGER, and attributes that name the sensor. Chunks are packed here, and HDF5 stores them unchanged. */
+/* Writes Prophesee's HDF5 files as openeb reads them. /CD/events has chunks packed with their codec ECF (HDF5 filter 0x8ecf):
+ * td_ecf_pack packs them, and HDF5 stores these bytes as they are. /CD/indexes has an entry for each interval of 2 ms from the
+ * first event on. /EXT_TRIGGER is empty. Attributes have the format, the sensor's size, and TIDES as the integrator. */
 #include "td_ecf.h"
 
 #include "archive/td_h5_driver.h"
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { INDEX_US = 2000 }; /* [us] for each entry of the index */
+enum { INDEX_US = 2000 }; /* length of an interval of the index [us] */
 
 typedef struct index_entry {
     uint64_t id; /* number of an event */
@@ -28,9 +29,11 @@ typedef struct ecf_writer {
     int64_t first;       /* time of the first event [us] */
     uint64_t index_rows; /* entries in the file */
     size_t pending_count;
-    /* entries that wait for their chunk to fill; entry of the last interval with events */
-    index_entry pending[TD_ECF_CHUNK], last;
-    int failed; /* errno of the first failed write, which the file driver hides from HDF5; or 0 */
+    index_entry pending[TD_ECF_CHUNK]; /* entries that aren't in the file yet */
+    index_entry last;                  /* of the newest interval with events; intervals without events repeat it */
+    /* errno of the first failed write, or 0. The file driver reports success to HDF5, which couldn't close the file otherwise.
+     * So functions here check this number. */
+    int failed;
 } ecf_writer;
 
 /* ---- creation ---- */
@@ -62,8 +65,8 @@ static hid_t index_type(void) {
     return type;
 }
 
-/* Creates a dataset and closes `type`. The codec is marked as optional: HDF5 then stores its number without having the
- * codec. */
+/* Creates a dataset and closes `type`. With `codec` the dataset names the filter ECF. It is marked as optional, because HDF5
+ * refuses to create a dataset with a mandatory filter that it lacks. */
 static hid_t create_dataset(hid_t file, const char *name, hid_t type, int codec) {
     const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = TD_ECF_CHUNK;
     hid_t dataset = -1, space = H5Screate_simple(1, &none, &unlimited), creation = H5Pcreate(H5P_DATASET_CREATE);
@@ -137,7 +140,8 @@ tides_status td_ecf_create(td_event_sink *sink, tides_error *error) {
     if (status != TIDES_OK) return status;
     if (create_all(sink, w) < 0 || w->failed) {
         status = write_failed(sink, error);
-        /* without datasets the file is useless; the lock is still ours */
+        /* A file without datasets is useless. It is removed before it is closed, since closing ends our lock on it. EBUSY:
+         * another run writes the file, so it stays. */
         if (w->failed != EBUSY) td_remove_part(sink->part, sink->path);
         close_all(w);
         return status;
@@ -181,21 +185,22 @@ static herr_t add_entry(ecf_writer *w) {
     return w->pending_count == TD_ECF_CHUNK ? write_index(w) : 0;
 }
 
-/* Adds entries up to the event's interval. Entry k is the first event of interval k - 1, or of the last interval before it
- * that has events. Intervals count from the first event. */
+/* Adds entries up to the event's interval. Entry k > 0 is for interval k - 1: its first event, or if it has none, the first
+ * event of the last interval before it that has one. Intervals count from the first event on. */
 static herr_t index_event(ecf_writer *w, const tides_event *e, uint64_t id) {
     int64_t t = e->t / 1000;
     if (id == 0) w->first = t;
-    /* number of entries so far */
-    uint64_t interval = (uint64_t)((t - w->first) / INDEX_US), next = w->index_rows + w->pending_count;
-    if (id > 0 && interval + 1 < next) return 0; /* not the first of its interval */
+    uint64_t interval = (uint64_t)((t - w->first) / INDEX_US);
+    uint64_t next = w->index_rows + w->pending_count; /* number of entries so far */
+    if (id > 0 && interval + 1 < next) return 0;      /* not the first of its interval */
     for (; next < interval + 1; next++)
         if (add_entry(w) < 0) return -1;
     w->last = (index_entry){id, t};
     return add_entry(w);
 }
 
-/* Limits gaps without events, since the index takes 8 kB for every second. */
+/* Returns the reason to refuse an event, or NULL. It may come at most 10^6 s after the previous one, because the index takes
+ * 8 kB for every second of a gap. */
 const char *td_ecf_check(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
     (void)sink;
     return previous && event->t - previous->t > INT64_C(1000000) * 1000000000

@@ -1,5 +1,6 @@
-/* Live runs: a simulator with open paths, which gets poses of camera and objects during the run. This file opens the paths,
- * finds the run's end, and stores the events of each call. */
+/* Live runs: a simulator whose camera and objects follow open paths. An open path is one to which the caller appends poses
+ * during the run. This file creates these paths, appends poses or takes them back, finds the run's end, and stores the
+ * events of each call. */
 #include "tides/live.h"
 
 #include "camera/td_rotation.h"
@@ -19,27 +20,28 @@
 
 struct tides_live {
     const tides_session *session;
-    tides_scene *scene;       /* the session's objects, with open paths of its own */
+    tides_scene *scene;       /* the session's objects, lent; objects that get poses have open paths of this run */
     tides_trajectory *camera; /* NULL: the session's path is used */
     tides_simulator *simulator;
     tides_live_options options; /* without its list of objects */
     double start, stop, until;  /* [s] */
     tides_event *events;
     size_t count, capacity;
-    int given; /* 1: the last call returned the events, so the next one may overwrite them */
+    int given; /* 1: the last call returned the events, so the next call may overwrite them */
     int lost;  /* 1: memory was short for a step's events */
     int finished;
 };
 
-/* A time counts as a step's end if it is off by at most this [s], beyond the grid's own allowance for rounding: a caller's
- * clock that adds up intervals is slightly off. It is half of the allowance of open paths, so that a path given up to such a
- * time covers the step. slack_of adds the rounding of two times. */
+/* The greatest rounding error of a caller's clock that adds up intervals [s]. An `until` that is less than this before a step's
+ * end counts as that end. Open paths accept times up to 1e-10 s behind their last sample. This is half of it, so that a path
+ * whose last sample is at such an `until` covers the step. slack_of adds the rounding of doubles near the run's start and near
+ * `time`. */
 static const double lost_in_sums = 0.5e-10;
 static double slack_of(const tides_live *live, double time) {
     return lost_in_sums + DBL_EPSILON * (fabs(live->start) + fabs(time));
 }
 
-/* The simulator's limit of steps; a run without an end gets this many. */
+/* Steps of a run without an end: just below the simulator's limit of 1e12, so that rounding can't exceed the limit. */
 static const double most_steps = 0.999e12;
 
 void tides_live_options_defaults(tides_live_options *options) {
@@ -51,11 +53,14 @@ void tides_live_options_defaults(tides_live_options *options) {
 static tides_status check_session(const tides_session_facts *f, tides_error *error) {
     const char *origin = f->run->origin;
     if (f->sees_frames)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: method %s sees frames; a live run is of a scene, by method \"tides\"",
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: method %s on frames can't run live: set method to \"tides\", and a scene in place of frames",
                        origin, f->values.method);
     if (f->values.event_truth)
         return td_fail(error, TIDES_UNSUPPORTED,
-                       "%s: sensor.truth is true: it is for recordings, when they are finished; set it to false", origin);
+                       "%s: sensor.truth is true, but the truth of events is computed only for a finished recording: set it to "
+                       "false for a live run",
+                       origin);
     return TIDES_OK;
 }
 
@@ -89,7 +94,7 @@ static tides_status sample_at(const tides_trajectory *path, double time, tides_p
     return TIDES_OK;
 }
 
-/* Opens paths for the camera and all objects whose poses the caller gives. */
+/* Lends the scene, and creates open paths for the camera and all objects that get poses from the caller. */
 static tides_status open_paths(tides_live *live, const tides_live_options *o, tides_error *error) {
     const tides_session_facts *f = &live->session->facts;
     tides_pose_sample first;
@@ -107,7 +112,8 @@ static tides_status open_paths(tides_live *live, const tides_live_options *o, ti
     return status;
 }
 
-/* Finds the run's end: the earliest end of a given path, or the limit of steps. */
+/* Finds the run's end: options.stop. If that is NaN, it is the earliest end of the motions and of the paths that aren't open,
+ * limited by most_steps and TD_FURTHEST_TIME. */
 static tides_status find_end(tides_live *live, const tides_live_options *o, tides_error *error) {
     const tides_session_facts *f = &live->session->facts;
     double stop = fmin(TD_FURTHEST_TIME, live->start + most_steps * f->values.stepping.step_s), last;
@@ -194,12 +200,14 @@ static tides_status check_jump(const tides_live *live, const tides_pose_sample *
     const double speed = td_length3(away) / time, turn_rate = 2 * td_acos(fmin(fabs(along), 1)) / time;
     if (o->most_speed > 0 && !(speed <= o->most_speed))
         return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "the pose at %.15g s is a jump: %g scene units/s from the one before, and most_speed is %g", to->time,
-                       speed, o->most_speed);
+                       "the pose at %.15g s is a jump: %g scene units/s from the pose before, and most_speed is %g: append "
+                       "poses between them, or raise it",
+                       to->time, speed, o->most_speed);
     if (o->most_turn_rate > 0 && !(turn_rate <= o->most_turn_rate))
         return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "the pose at %.15g s is a jump: %g rad/s from the one before, and most_turn_rate is %g", to->time,
-                       turn_rate, o->most_turn_rate);
+                       "the pose at %.15g s is a jump: %g rad/s from the pose before, and most_turn_rate is %g: append poses "
+                       "between them, or raise it",
+                       to->time, turn_rate, o->most_turn_rate);
     return TIDES_OK;
 }
 
@@ -229,7 +237,7 @@ static tides_status mark(const tides_live *live, int32_t object, live_mark *m, t
     return tides_trajectory_sample(m->path, 0, &m->first, error);
 }
 
-/* Restores a path. One that had a single sample may have got another beginning. */
+/* Restores a path. If it had a single sample, tides_live_tell may have replaced that sample. */
 static tides_status take_back(const live_mark *m, tides_error *error) {
     if (m->path && m->count == 1) return td_trajectory_begin(m->path, &m->first, error);
     if (m->path) td_trajectory_take_back(m->path, m->count);
@@ -242,9 +250,9 @@ tides_status tides_live_tell(tides_live *live, int32_t object, const tides_pose_
     live_mark was;
     tides_status status = mark(live, object, &was, error);
     if (!was.path)
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "%s isn't told where it is in this run: ask for it when the run is opened, in its options",
-                       object == TIDES_LIVE_CAMERA ? "the camera" : "this object");
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s gets no poses from the caller in this run: %s in tides_live_open",
+                       object == TIDES_LIVE_CAMERA ? "the camera" : "this object",
+                       object == TIDES_LIVE_CAMERA ? "set options.camera" : "add it to options.objects");
     if (status != TIDES_OK) return status;
     const int begins = count && was.count == 1 && fabs(samples[0].time - live->start) <= slack_of(live, live->start);
     if (begins) status = td_trajectory_begin(was.path, samples++, error);
@@ -252,7 +260,7 @@ tides_status tides_live_tell(tides_live *live, int32_t object, const tides_pose_
     if (status == TIDES_OK) status = check_jumps(live, was.path, samples, count, error);
     if (status == TIDES_OK && count) status = tides_trajectory_append(was.path, samples, count, error);
     if (status == TIDES_OK) return TIDES_OK;
-    const tides_status undone = take_back(&was, NULL); /* appends all samples or none */
+    const tides_status undone = take_back(&was, NULL); /* a call that fails leaves the path as it was */
     return fail_of(object, undone == TIDES_OK ? status : undone, error);
 }
 
@@ -272,8 +280,8 @@ static int keep_events(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* Forgets poses before the time reached, which aren't needed any more. Until two steps are done none is forgotten: the
- * second step still keeps what pixels need later of the image at the run's start. */
+/* Forgets poses before the time reached. Before two steps are done it forgets none: the second step still sweeps the scene
+ * at the run's start, and keeps the candidate lists for later look-ups of references. */
 static void forget(tides_live *live) {
     enum { STEPS_THAT_LOOK_BACK = 2 };
     if (live->options.keep || td_simulator_reached(live->simulator).step < STEPS_THAT_LOOK_BACK) return;
@@ -289,9 +297,8 @@ static tides_status check_until(const tides_live *live, double until, double sla
                        live->until, until);
     if (until <= live->stop + slack) return TIDES_OK;
     return td_fail(error, TIDES_OUT_OF_RANGE,
-                   "the run ends at %.15g s, and is asked for %.15g s: there ends what was given as its stop, the first path "
-                   "or "
-                   "motion that isn't told, or it was finished there",
+                   "the run ends at %.15g s and can't advance to %.15g s: its end is options.stop, the end of a motion or of "
+                   "a path that gets no poses from the caller, or the time of tides_live_finish",
                    live->stop, until);
 }
 
@@ -300,14 +307,14 @@ static tides_status fail_lost(tides_error *error) {
                    "out of memory for the events of a live run's step, which are lost; open another run");
 }
 
-/* Runs the simulator. After a failure within a step it can't continue; earlier events can still be fetched. */
+/* Runs the simulator. After a failure within a step it can't continue, but earlier events can still be fetched. */
 static tides_status advance(tides_live *live, double until, double slack, tides_error *error) {
     if (td_simulator_reached(live->simulator).broken && until <= tides_live_reached(live) + slack) return TIDES_OK;
     tides_status status = tides_simulator_run(live->simulator, until + lost_in_sums, keep_events, live, NULL, NULL, error);
     return live->lost ? fail_lost(error) : status;
 }
 
-/* Begins a call's events. If a call fails half way, its events are returned by the next one. */
+/* Discards the events that the last call returned. Events of a call that failed stay, and the next call returns them too. */
 static void begin_events(tides_live *live) {
     if (live->given) live->count = 0;
     live->given = 0;
@@ -363,7 +370,7 @@ tides_status tides_live_step(tides_live *live, const int32_t *objects, const tid
     }
     if (status == TIDES_OK) status = tides_live_run(live, until, events, count, error);
     const td_reached after = td_simulator_reached(live->simulator);
-    /* nothing was simulated with the new poses */
+    /* 1: nothing was simulated with the new poses */
     const int unused = after.step == before.step && after.started == before.started;
     while (status != TIDES_OK && unused && marked > 0)
         if (take_back(&marks[--marked], NULL) != TIDES_OK) status = td_fail(error, TIDES_NO_MEMORY, "out of memory");

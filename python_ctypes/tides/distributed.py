@@ -57,7 +57,7 @@ def _command(job: dict[str, Any], *options: str) -> list[str]:
 
 def _words(said: str) -> str:
     """The last line of the tool's output."""
-    return (said.strip().splitlines() or ["ended without a word"])[-1].removeprefix("tides: ")
+    return (said.strip().splitlines() or ["ended without a message"])[-1].removeprefix("tides: ")
 
 
 # -- on a worker ----------------------------------------------------------------------------------------------------------

@@ -70,7 +70,7 @@ class Live(Handle):
         else:
             session = Session(run, set, device)
         if session.sees_frames:
-            raise ValueError(f"method {session.values.method!r} sees frames; a Live is of a scene, by method 'tides'")
+            raise ValueError(f"method {session.values.method!r} on frames can't run live: set method to 'tides', and a scene")
         self.session, self._objects = session, {}
         for one in [objects] if isinstance(objects, (str, int)) else objects:
             self._objects[one] = self._number(one)
@@ -161,7 +161,7 @@ class Live(Handle):
 
     def _told(self, name: str | int) -> int:
         if name not in self._objects:
-            raise ValueError(f"object {name!r} isn't told where it is: make it Live(..., objects=[{name!r}])")
+            raise ValueError(f"object {name!r} gets no poses in this run: make it Live(..., objects=[{name!r}])")
         return self._objects[name]
 
     # -- state ------------------------------------------------------------------------------------------------------

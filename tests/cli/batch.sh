@@ -126,6 +126,7 @@ wrong "wrong.json: grid and runs are missing" '{"base": "run.json"}'
 wrong "wrong.json: unknown key \"gird\"; did you mean \"grid\"\?" '{"gird": {}}'
 wrong "wrong.json: base is missing" '{"grid": {"seed": ["1"]}}'
 wrong "wrong.json: seed is no list" '{"base": "run.json", "grid": {"seed": "1"}}'
+wrong "draw: seed has nothing to draw from" '{"base": "run.json", "draw": {"count": 1, "set": {"seed": []}}}'
 wrong "wrong.json: a is the name of two runs" '{"base": "run.json", "runs": [{"name": "a"}, {"name": "a"}]}'
 wrong "wrong.json: \.\./a is no name" '{"base": "run.json", "runs": [{"name": "../a"}]}'
 wrong "wrong.json: seed=1: --set: unknown key" '{"base": "run.json", "set": {"sede": 1}, "grid": {"seed": ["1"]}}'
@@ -253,7 +254,7 @@ head -n 1 ratio.d/summary.csv | grep -q ',error,sensor.threshold_on,sensor.thres
 awk -F, 'NR > 1 { on = $(NF - 2); off = $(NF - 1); if (!(off >= 1.2 * on && off <= 1.3 * on && on >= 0.1)) exit 1 }' ratio.d/summary.csv ||
     fail "thresholds should be drawn together: $(cat ratio.d/summary.csv)"
 sed -i 's/"of": "sensor.threshold_on"/"of": "sensor.b_min"/' ratio.json
-refuse 1 "sensor.threshold_off: write { \"of\": KEY, \"times\": \[LOWEST, HIGHEST\] }" tides batch ratio.json -o ratio.d
+refuse 1 "sensor.threshold_off isn't { \"of\": KEY, \"times\": \[LOWEST, HIGHEST\] } with another KEY" tides batch ratio.json -o ratio.d
 
 # Files of options go to the run's folder, and nowhere else; the batch's own names are no run's.
 look() { printf '{ "base": "run.json", "runs": [ { "name": "%s", "command": "render", "options": ["--time", "0.02", "--png", "%s"] } ] }' "$1" "$2" >look.json; }

@@ -39,6 +39,12 @@ missing sets.d/dataset.layout=tum/dataset.part
 rm -r sets.d/dataset.layout=tum/dataset sets.d/dataset.layout=tum/*.json
 expect 0 tides batch sets.json -o sets.d --only dataset.layout=tum
 [ -s sets.d/dataset.layout=tum/dataset/groundtruth.txt ] || fail "it should be made anew"
+# Killed before the result, and its statistics damaged: an error that names the file, without which the run is made anew.
+rm sets.d/dataset.layout=ecd/result.json && echo '{' >sets.d/dataset.layout=ecd/stats.json
+expect 1 tides batch sets.json -o sets.d --only dataset.layout=ecd
+err "stats.json: can't be read back, or lacks a statistic: remove it"
+rm sets.d/dataset.layout=ecd/stats.json
+expect 0 tides batch sets.json -o sets.d --only dataset.layout=ecd
 # Taken away: made anew, not done without it.
 rm -r sets.d/dataset.layout=ecd/dataset
 expect 0 tides batch sets.json -o sets.d --only dataset.layout=ecd

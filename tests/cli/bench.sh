@@ -124,7 +124,7 @@ END
 
 # Rows that pass, one that must be refused, and one that fails: results are written, and the exit code says it.
 expect 0 tides bench stability --row needles-1e6 --row start-1e9 --row giants-1e18 -o made
-out "^3 rows: 3 pass \(1 of them refused with the line they should have\), 0 fail"
+out "^3 rows: 3 pass \(1 of them refused with the message that they must have\), 0 fail"
 err "\[1/3\] pass  needles-1e6 .* us 0 +%"
 err "\[3/3\] pass  giants-1e18 .*make it smaller"
 for file in stability.json stability.csv stability.png; do exists made/$file; done

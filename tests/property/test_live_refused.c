@@ -64,10 +64,10 @@ static void refuses_all_or_none(tides_live *live) {
     assert_memory_equal(&was, &now, sizeof was);
     scene_expect_ok(tides_live_tell(live, TIDES_LIVE_CAMERA, pair, 0, &error), &error); /* nothing */
     const int32_t both[] = {TIDES_LIVE_CAMERA, OBJECT};
-    for (int later = 0; later < 2; later++) { /* the beginning, or a pose after it, and an object that isn't told */
+    for (int later = 0; later < 2; later++) { /* the beginning, or a pose after it, and an object that gets no poses */
         pair[0].time = was.time + 1e-3 * later;
         tides_status status = tides_live_step(live, both, pair, 2, pair[0].time, NULL, NULL, &error);
-        scene_expect_error(status, TIDES_BAD_ARGUMENT, &error, "object|isn't told");
+        scene_expect_error(status, TIDES_BAD_ARGUMENT, &error, "object|gets no poses from the caller");
         scene_expect_ok(tides_trajectory_sample(path, 0, &now, &error), &error);
         assert_memory_equal(&was, &now, sizeof was);
         assert_int_equal(tides_trajectory_count(path), 1);
@@ -99,7 +99,7 @@ static void wrong_use_is_harmless(void **state) {
         const tides_pose_sample pose = sample_of(scene.path, 0.001 * i, i % 2);
         tides_pose_sample bad = pose;
         scene_expect_error(tides_live_run(live, pose.time, NULL, NULL, &error), TIDES_OUT_OF_RANGE, &error,
-                           "camera's path|hasn't been told");
+                           "camera's path|its poses end before");
         bad.time = 0.001 * (i - 1) - (i == 1); /* another beginning is none */
         refused_to_tell(live, bad, "camera|times must strictly increase");
         bad = pose;
@@ -115,7 +115,8 @@ static void wrong_use_is_harmless(void **state) {
         bad.quaternion[0] = -pose.quaternion[1], bad.quaternion[1] = pose.quaternion[0];
         bad.quaternion[2] = -pose.quaternion[3], bad.quaternion[3] = pose.quaternion[2];
         refused_to_tell(live, bad, "camera|jump|most_turn_rate");
-        scene_expect_error(tides_live_tell(live, 0, &pose, 1, &error), TIDES_BAD_ARGUMENT, &error, "object|isn't told");
+        scene_expect_error(tides_live_tell(live, 0, &pose, 1, &error), TIDES_BAD_ARGUMENT, &error,
+                           "object|gets no poses from the caller");
         scene_expect_ok(tides_live_tell(live, TIDES_LIVE_CAMERA, &pose, 1, &error), &error);
         scene_expect_ok(tides_live_tell(quiet, TIDES_LIVE_CAMERA, &pose, 1, &error), &error);
         scene_expect_ok(tides_live_run(live, pose.time, &events, &count, &error), &error);

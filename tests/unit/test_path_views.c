@@ -1,4 +1,5 @@
-/* Views: which poses of a path file are kept, the common properties of their cameras, and nerfstudio's camera_path.json. */
+/* Tests tides_path_options.views, which selects poses of a path file, the intrinsics that the selected poses have in common,
+ * and the reader of nerfstudio's camera_path.json. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -48,7 +49,8 @@ static void assert_sample(const tides_path *path, size_t index, double time, dou
         fail_msg("sample %zu: at %.17g s, x %.17g; expected %.17g, %.17g", index, sample.time, sample.position[0], time, x);
 }
 
-/* What Python's slices would choose, spread over the duration. */
+/* The kept poses are the union of the parts between commas, each read as a Python index or slice. They are in the file's order,
+ * evenly spread over the duration. `width` is that of all kept cameras, or 0 if they differ. */
 static void choices(void **state) {
     static const struct {
         const char *views;
@@ -73,13 +75,14 @@ static void choices(void **state) {
         assert_int_equal(tides_trajectory_count(path.trajectory), cases[k].count);
         for (int i = 0; i < cases[k].count; i++)
             assert_sample(&path, (size_t)i, cases[k].count > 1 ? 10.0 * i / (cases[k].count - 1) : 0, cases[k].kept[i]);
-        assert_int_equal(path.intrinsics.width, cases[k].width); /* a camera that isn't chosen has no say */
+        assert_int_equal(path.intrinsics.width, cases[k].width); /* only the cameras of kept poses count */
         assert_true(path.intrinsics.fx == 50);
         tides_trajectory_destroy(path.trajectory);
     }
 }
 
-/* Poses with times keep them: trainer's times are scaled as those of the whole file. */
+/* Selecting poses doesn't spread times of the file anew. They are multiplied by the duration, 10 s: 0 and 0.5 of [0, 1]
+ * become 0 and 5 s. */
 static void times_stay(void **state) {
     static const char text[] = "{\"frames\": [{\"time\": 0.5, \"transform_matrix\": [[1,0,0,1],[0,1,0,0],[0,0,1,0]]}, "
                                "{\"time\": 0, \"transform_matrix\": [[1,0,0,2],[0,1,0,0],[0,0,1,0]]},"
@@ -132,12 +135,12 @@ static void nerfstudio(void **state) {
     const tides_intrinsics *camera = &path.intrinsics;
     assert_string_equal(path.format, "camera_path");
     assert_sample(&path, 0, 0, 1);
-    assert_sample(&path, 1, 2, 2); /* of two in 4 s */
+    assert_sample(&path, 1, 2, 2); /* pose 1 of 2 in 4 s: "seconds" comes before "fps" */
     assert_true(camera->width == 640 && camera->height == 480 && camera->cx == 320 && camera->cy == 240);
     assert_true(fabs(camera->fx - 240) < 1e-9 && fabs(camera->fy - 240) < 1e-9 && camera->lens.model == TIDES_LENS_NONE);
     tides_pose pose;
     assert_int_equal(tides_trajectory_at(path.trajectory, 0, &pose, NULL), TIDES_OK);
-    /* Its x is the world's y, its y (down) the world's -z, its z (forward) the world's -x. */
+    /* The camera's x is the world's y, its y (down) the world's -z, and its z (forward) the world's -x. */
     static const double axes[9] = {0, 0, -1, 1, 0, 0, 0, -1, 0};
     for (int k = 0; k < 9; k++) assert_true(fabs(pose.rotation[k] - axes[k]) < 1e-12);
     tides_trajectory_destroy(path.trajectory);
@@ -149,7 +152,7 @@ static void nerfstudio(void **state) {
 
     path = load(write_text(state, "{" PATH_HEAD "\"camera_path\": [" POSE("1", "90") ", " POSE("2", "60") "]}"), NULL);
     assert_sample(&path, 1, 10, 2);
-    assert_true(path.intrinsics.width == 640 && path.intrinsics.fx == 0); /* zooms aren't a camera's */
+    assert_true(path.intrinsics.width == 640 && path.intrinsics.fx == 0); /* fx is 0, because it differs between the poses */
     tides_trajectory_destroy(path.trajectory);
 }
 

@@ -232,7 +232,7 @@ static tides_status advance_to(tides_simulator *s, int64_t last, tides_event_sin
 }
 
 static tides_status fail_untold(const tides_simulator *s, const char *path, double until, tides_error *error) {
-    return td_fail(error, TIDES_OUT_OF_RANGE, "%s is open, and hasn't been told up to %.15g s; append poses first", path,
+    return td_fail(error, TIDES_OUT_OF_RANGE, "%s is open, and its poses end before %.15g s: append poses first", path,
                    s->epoch + until);
 }
 
