@@ -130,9 +130,10 @@ static inline size_t td_bin(const td_taken *taken, int64_t t) {
 tides_status td_light_sample(td_calibration *c, tides_session *session, tides_error *error);
 #define TD_SETTLE_S 0.06 /* [s] light needed before and after the stretch */
 void td_light_free(td_light *light);
-/* between.c: light of every `every`-th frame of `light`, between which it goes along cubics or, `straight`, lines. It has the
- * pixels of `light`, which stay that one's. */
-tides_status td_light_between(const td_light *light, int32_t every, int32_t straight, td_light *out, tides_error *error);
+/* between.c: light of every `every`-th frame of `light`, by cubics between them, straight lines, or cubics that are blurred as by
+ * a longer exposure. It has the pixels of `light`, which stay that one's. */
+enum { TD_CUBICS, TD_LINES, TD_BLURRED };
+tides_status td_light_between(const td_light *light, int32_t every, int32_t how, td_light *out, tides_error *error);
 void td_light_span(const tides_session_facts *facts, double *start, double *stop);
 
 /* pairs.c: makes the pairs of the events of the light's pixels. */
