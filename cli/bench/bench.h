@@ -77,7 +77,7 @@ typedef struct bench {
     canvas_style style; /* of pictures */
     int32_t quick;
     const cli_list *rows; /* of --row */
-    int32_t float_truth; /* 1: exact streams come from the measured device: faster, good to some 10 ns */
+    int32_t float_truth;  /* 1: exact streams come from the measured device: faster, good to some 10 ns */
     tides_device *device;
     tides_device_info info;
     cli_progress progress; /* only asked whether to stop */

@@ -1,7 +1,7 @@
-/* Light between frames: a cubic in ln(Y + DARK) through four frames, at STEPS places of each gap (Catmull and Rom's, for times that
- * needn't be equal). Straight lines cut extremes off and blur edges in time, so that thresholds, pole and refractory period come
- * out too low: over six sensors on slider_depth at 100 frames/s, lines have threshold_on 9 % low in the mean, cubics 1 %. The
- * logarithm is what events follow, and it keeps light above 0. */
+/* Light between frames: Catmull and Rom's cubic in ln(Y + DARK) through four frames, for times that needn't be equal, at
+ * STEPS places of each gap. Straight lines cut extremes off and blur edges in time, so that thresholds, pole and refractory
+ * period come out too low. Over six sensors on slider_depth at 100 frames/s, lines have threshold_on 9 % low in the mean,
+ * cubics 1 %. The logarithm is what events follow, and it keeps light above 0. */
 #include "td_calibrate.h"
 #include "td_math.h"
 
@@ -53,7 +53,7 @@ static void straighten(const frames *f, size_t pixel, td_light *out) {
         out->Y[pixel * out->samples + k] = f->light->Y[pixel * f->light->samples + sample_of(f, k)];
 }
 
-/* Means over 1/4, 1/2, 1/4 of samples that are a quarter of a period apart. Their variance is that of an exposure of 0.61 periods. */
+/* Means by 1/4, 1/2, 1/4 of samples that are a quarter of a period apart: the variance of an exposure of 0.61 periods. */
 static void blur(size_t pixel, td_light *out) {
     float *Y = out->Y + pixel * out->samples, before = Y[0];
     for (size_t i = 1; i + 1 < out->samples; i++) {

@@ -110,10 +110,10 @@ static double dark_step(const td_light *light) {
     return isfinite(next) ? (double)next - (double)least : 0;
 }
 
-/* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured three times
- * more: with straight lines between the frames, with every other frame left out, and blurred, since exposures blur edges, and a
- * frame that is left out has the others' exposure. Dark light is known to half a code value, and what it is off by goes to the
- * black level. */
+/* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured three
+ * times more: with straight lines between the frames, with every other frame left out, and blurred, since exposures blur
+ * edges, and a frame that is left out has the others' exposure. Dark light is known to half a code value, and what it is off
+ * by goes to the black level. */
 static tides_status between_frames(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
     const size_t frames = (c->light.samples - 1) / (size_t)c->light.finer + 1;
     if (!c->facts.frames) return TIDES_OK;
