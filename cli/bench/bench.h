@@ -83,7 +83,7 @@ typedef struct bench {
     canvas_style style; /* of pictures */
     int32_t quick;
     const cli_list *rows; /* of --row */
-    int32_t float_truth; /* 1: the measured device computes exact streams: faster, but exact only to some 10 ns */
+    int32_t float_truth;  /* 1: the measured device computes exact streams: faster, but exact only to some 10 ns */
     tides_device *device;
     tides_device_info info;
     cli_progress progress; /* tells only whether the user wants to stop */

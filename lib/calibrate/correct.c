@@ -61,8 +61,8 @@ static int32_t start_of(const td_calibration *c, const tides_calibration *found)
     return c->rounds == TIDES_INITIAL_STEADY && !(steady_leak(found) > 0) ? TIDES_INITIAL_RANDOM : c->rounds;
 }
 
-/* Sets the parameters of a simulation to the values found. No threshold is drawn below a tenth of the smaller mean, since it must
- * be above 0. A pole below 1 us is taken as none. */
+/* Sets the parameters of a simulation to the values found. No threshold is drawn below a tenth of the smaller mean, since it
+ * must be above 0. A pole below 1 us is taken as none. */
 static void describe(const td_calibration *c, const tides_calibration *found, tides_baseline_params *p) {
     const tides_calibrated *v = found->values;
     double doubt;

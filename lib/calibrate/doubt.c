@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FEW_FRAMES = 6 };
+enum { FEW_FRAMES = 5 /* of which three stay where every other one is left out */ };
 
 /* The values of a fit, in the order of TIDES_CALIBRATED_*. Values that other parts measure aren't set. */
 static void values_of(const td_fit *fit, double value[TIDES_CALIBRATED_VALUES]) {
@@ -76,12 +76,12 @@ static tides_status scatter(td_calibration *c, const td_fit *whole, tides_calibr
 /* -- light between frames -------------------------------------------------------------------------------------------------- */
 
 /* The values by another light that the same frames allow: what it changes counts as an error. */
-static tides_status by_other_light(td_calibration *c, const td_fit *whole, int32_t every, int32_t straight,
-                                   tides_calibration *found, tides_error *error) {
+static tides_status by_other_light(td_calibration *c, const td_fit *whole, int32_t every, int32_t how, tides_calibration *found,
+                                   tides_error *error) {
     td_light other;
     td_fit fit = *whole;
     double now[TIDES_CALIBRATED_VALUES], then[TIDES_CALIBRATED_VALUES];
-    const tides_status status = td_light_between(&c->light, every, straight, &other, error);
+    const tides_status status = td_light_between(&c->light, every, how, &other, error);
     const double clip = c->pairs.clip, scattered = c->scattered;
     if (status == TIDES_OK) {
         for (int32_t i = 0; i < 2; i++) td_come_closer(c, &other, &fit);
@@ -110,14 +110,17 @@ static double dark_step(const td_light *light) {
     return isfinite(next) ? (double)next - (double)least : 0;
 }
 
-/* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured twice
- * more: with straight lines between the frames, and with every other frame left out. Dark light is known to half a code value, and
- * what it is off by goes to the black level. */
+/* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured three
+ * times more: with straight lines between the frames, with every other frame left out, and blurred, since exposures blur
+ * edges, and a frame that is left out has the others' exposure. Dark light is known to half a code value, and what it is off
+ * by goes to the black level. */
 static tides_status between_frames(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
-    if (!c->facts.frames || c->light.samples / (size_t)c->light.finer < FEW_FRAMES) return TIDES_OK;
+    const size_t frames = (c->light.samples - 1) / (size_t)c->light.finer + 1;
+    if (!c->facts.frames) return TIDES_OK;
     add_error(&found->values[TIDES_CALIBRATED_EPS], 0.5 * dark_step(&c->light));
-    const tides_status status = by_other_light(c, whole, 1, 1, found, error);
-    return status == TIDES_OK ? by_other_light(c, whole, 2, 0, found, error) : status;
+    tides_status status = by_other_light(c, whole, 1, TD_LINES, found, error);
+    if (status == TIDES_OK) status = by_other_light(c, whole, 1, TD_BLURRED, found, error);
+    return status == TIDES_OK && frames >= FEW_FRAMES ? by_other_light(c, whole, 2, TD_CUBICS, found, error) : status;
 }
 
 /* The deviation as one parameter varies and the others stay. */

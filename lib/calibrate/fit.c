@@ -45,8 +45,8 @@ static double select_rank(double *x, size_t count, size_t rank) {
     return x[rank];
 }
 
-/* The median of a polarity's changes (of an even number the upper one) that are less than `clip` from `about`, relatively; NaN for
- * few changes. */
+/* The median of a polarity's changes (of an even number the upper one) that are less than `clip` from `about`, relatively;
+ * NaN for few changes. */
 static double median(const td_pairs *pairs, int8_t polarity, double about, double clip) {
     size_t count = 0;
     for (size_t i = 0; i < pairs->count; i++) {
@@ -57,8 +57,8 @@ static double median(const td_pairs *pairs, int8_t polarity, double about, doubl
     return count < FEW ? NAN : select_rank(pairs->room, count, count / 2);
 }
 
-/* A close fit's median is that of the changes within its clip. Pairs that noise ends are nearly all too small, and would draw the
- * median of all down. */
+/* A close fit's median is that of the changes within its clip. Pairs that noise ends are nearly all too small, and would
+ * draw the median of all down. */
 static double middle(const td_pairs *pairs, int8_t polarity) {
     const double all = median(pairs, polarity, 0, TD_CLIP);
     if (pairs->clip >= TD_CLIP || !(all > 0)) return all;

@@ -208,7 +208,7 @@ static tides_status turn(rows *r, tides_error *error) {
 static tides_status bend(td_calibration *c, tides_error *error) {
     td_light fine, *light = &c->light;
     if (!c->facts.frames) return TIDES_OK;
-    const tides_status status = td_light_between(light, 1, 0, &fine, error);
+    const tides_status status = td_light_between(light, 1, TD_CUBICS, &fine, error);
     fine.lowest = light->lowest;
     fine.highest = light->highest;
     light->pixel = NULL;

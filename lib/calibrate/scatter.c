@@ -2,9 +2,9 @@
  * together, as wrong light makes them.
  *
  * With r = change / median - 1 and its slopes J over the front end's values, the fit is where sum J r = 0. To first order a
- * tile moves the values by -A^-1 (its sum of J r), A = sum J J^T. All tiles together move nothing, unless a value is held at 0:
- * that it would go below, and takes others with it, is an error of at least as much. A tile moves a median by this through the median's own slopes,
- * and by its surplus of changes above the median, over twice their density there. */
+ * tile moves the values by -A^-1 (its sum of J r), A = sum J J^T. All tiles together move nothing, unless a value is held at
+ * 0: that it would go below, and takes others with it, is an error of at least as much. A tile moves a median by this
+ * through the median's own slopes, and by its surplus of changes above the median, over twice their density there. */
 #include "td_calibrate.h"
 
 #include "td_math.h"

@@ -96,8 +96,9 @@ void td_spread_set(const td_calibration *c, tides_calibrated *v) {
     v->state = c->spread.value < 3 * error ? TIDES_CALIBRATED_BOUND : TIDES_CALIBRATED_MEASURED;
 }
 
-/* Where the spread isn't known, all of the changes' scatter is taken for it, and half of that as its doubt: with a scene's light
- * little else scatters them. Frames' light scatters them more than any spread, and says nothing: then it is the usual one. */
+/* Where the spread isn't known, all of the changes' scatter is taken for it, and half of that as its doubt: with a scene's
+ * light little else scatters them. Frames' light scatters them more than any spread, and says nothing: then it is the usual
+ * one. */
 double td_spread_used(const td_calibration *c, double *doubt) {
     const double mean = 0.5 * (c->raw.on + c->raw.off), least = fmin(c->raw.on, c->raw.off), all = c->scattered * c->scattered;
     *doubt = c->spread.error / (mean * mean);

@@ -130,9 +130,10 @@ static inline size_t td_bin(const td_taken *taken, int64_t t) {
 tides_status td_light_sample(td_calibration *c, tides_session *session, tides_error *error);
 #define TD_SETTLE_S 0.06 /* [s] light needed before and after the stretch */
 void td_light_free(td_light *light);
-/* between.c: light of every `every`-th frame of `light`, between which it goes along cubics or, `straight`, lines. It has the
- * pixels of `light`, which stay that one's. */
-tides_status td_light_between(const td_light *light, int32_t every, int32_t straight, td_light *out, tides_error *error);
+/* between.c: light of every `every`-th frame of `light`, by cubics between them, straight lines, or cubics that are blurred
+ * as by a longer exposure. It has the pixels of `light`, which stay that one's. */
+enum { TD_CUBICS, TD_LINES, TD_BLURRED };
+tides_status td_light_between(const td_light *light, int32_t every, int32_t how, td_light *out, tides_error *error);
 void td_light_span(const tides_session_facts *facts, double *start, double *stop);
 
 /* pairs.c: makes the pairs of the events of the light's pixels. */
@@ -144,9 +145,10 @@ double td_shortest_interval(const td_pairs *pairs);
 void td_changes(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part);
 /* fit.c */
 #define TD_CLIP 1.5 /* of a search without a starting point */
-/* Fits again with a clip of three standard deviations, which become c->scattered. A search needs a wide clip, by which pairs that
- * are far off lead it. In the end such pairs are noise: the pair of a noise event ends anywhere between the thresholds, with d
- * near 1 in the mean, and a wide clip lets these pull the front end to where they agree. One sensor's thresholds were 8 % low. */
+/* Fits again with a clip of three standard deviations, which become c->scattered. A search needs a wide clip, by which pairs
+ * that are far off lead it. In the end such pairs are noise: the pair of a noise event ends anywhere between the thresholds,
+ * with d near 1 in the mean, and a wide clip lets these pull the front end to where they agree. One sensor's thresholds were
+ * 8 % low. */
 void td_come_closer(td_calibration *c, td_light *light, td_fit *fit);
 void td_judge(td_pairs *pairs, td_fit *fit);
 double td_usual(const td_fit *fit, int8_t polarity); /* the median of this polarity */

@@ -1,6 +1,6 @@
 /* The splats of one tile, for the search of swaps of depth (swaps.c): which of them are looked at, in which pairs, and whether
  * they fade. */
-#include "camera/td_rotation.h"
+#include "scene/td_scene.h"
 #include "td_extremes.h"
 #include "td_math.h"
 #include "td_swaps.h"
@@ -149,7 +149,8 @@ static int is_none(const td_swap_tile *of, const td_swap_splat *a, const td_swap
     const double from = b->z[0] - a->z[0], to = b->z[of->at->parts] - a->z[of->at->parts];
     const double within = near * td_greater(fabs(a->z[0]), fabs(a->z[of->at->parts]));
     if (a->object != b->object) return 0;
-    const double strays = askew * of->swaps->turning[a->object] * apart(a->geometry + TD_G_MEAN, b->geometry + TD_G_MEAN);
+    const double strays =
+        TD_SWAPS_ASKEW * of->swaps->turning[a->object] * td_swaps_apart(a->geometry + TD_G_MEAN, b->geometry + TD_G_MEAN);
     const double most = fabs(to - from) + 4 * strays; /* slope of a parabola at its ends */
     return (from * to > 0 && td_lesser(fabs(from), fabs(to)) > within + strays) || slow * most < within;
 }

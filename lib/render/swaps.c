@@ -6,7 +6,6 @@
  * shorter needs splats so large that the turn takes their depths past each other fast, and one that comes back within the
  * interval needs depths that stray by the reach from going straight. Splats of different bodies are looked at wherever their
  * depths meet. A splat that a motion model moves is a body of its own (swap_movers.c). */
-#include "camera/td_rotation.h"
 #include "scene/td_scene.h"
 #include "td_extremes.h"
 #include "td_math.h"
@@ -22,10 +21,6 @@ static const double steady = 0.2;
 
 /* Extent of a splat in standard deviations of its ellipsoid: there, a splat of opacity 1 has alpha 1/255. */
 static const double sigmas = 3.4;
-
-/* Two splats that overlap in the image at equal depth have centres at most the sum of their extents apart, times this factor
- * off the axis. */
-static const double askew = 1.5;
 
 /* -- making and freeing ------------------------------------------------------------------------------------------------ */
 
@@ -91,12 +86,6 @@ static tides_status find_groups(const tides_renderer *renderer, struct td_swaps 
     return TIDES_OK;
 }
 
-/* Distance between two rows of views. */
-static double apart(const double *a, const double *b) {
-    const double way[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return td_length3(way);
-}
-
 /* Computes views at the ends of `parts` parts of the interval: renderer->views. */
 static tides_status find_views(tides_renderer *renderer, const tides_trajectory *camera, int parts, tides_error *error) {
     const double start = renderer->sweep.interval[0], stop = renderer->sweep.interval[1];
@@ -112,7 +101,7 @@ static double most_turned(const tides_renderer *renderer, int parts) {
     double most = 0;
     for (size_t i = 0; i < (size_t)parts * objects; i++) {
         const double *from = renderer->scratch.views[i].r + 6, *to = renderer->scratch.views[i + objects].r + 6;
-        most = td_greater(most, apart(from, to) / td_length3(from));
+        most = td_greater(most, td_swaps_apart(from, to) / td_length3(from));
     }
     return most;
 }
@@ -144,7 +133,7 @@ static double turning_of(const td_swap_samples *at, int object) {
         const double *own = at->view[(size_t)k * (size_t)at->objects + (size_t)object].r + 6, u = (double)k / at->parts;
         const double straight[3] = {from[0] + u * (to[0] - from[0]), from[1] + u * (to[1] - from[1]),
                                     from[2] + u * (to[2] - from[2])};
-        most = td_greater(most, apart(own, straight));
+        most = td_greater(most, td_swaps_apart(own, straight));
     }
     return most;
 }
@@ -159,7 +148,7 @@ static double turned_by(const td_swap_samples *at, int object) {
 
 double td_swaps_reach(const tides_renderer *renderer, const struct td_swaps *swaps, int g, double z) {
     const td_image *image = &renderer->image;
-    return askew * ((double)swaps->extent[g] + sigmas * sqrt(image->dilation) * fabs(z) / image->fx);
+    return TD_SWAPS_ASKEW * ((double)swaps->extent[g] + sigmas * sqrt(image->dilation) * fabs(z) / image->fx);
 }
 
 /* Finds which Gaussians may swap; returns 1 if any may. */

@@ -5,6 +5,7 @@
 #ifndef TD_SWAPS_H
 #define TD_SWAPS_H
 
+#include "camera/td_rotation.h"
 #include "td_renderer.h"
 
 /* Reach: splats are apart when less than exp(-TD_SWAP_REACH), 2 %, of the light they take is still shared. */
@@ -95,6 +96,16 @@ typedef struct td_swap_tile {
 /* Possible partners of a splat in a swap. TD_MAY_SWAP: only splats of other bodies; TD_MAY_SLOWLY: in tiles with few splats also of
  * its own body; TD_MAY_SHORTLY: also of its own body, if the swap is short; TD_MAY_ALONE: also of its own body. */
 enum { TD_MAY_NOT, TD_MAY_SWAP, TD_MAY_SLOWLY, TD_MAY_SHORTLY, TD_MAY_ALONE };
+
+/* Two splats that overlap in the image at equal depth have centres at most the sum of their extents apart, times this factor
+ * off the axis. */
+#define TD_SWAPS_ASKEW 1.5
+
+/* Distance between two points, or two rows of views. */
+static inline double td_swaps_apart(const double *a, const double *b) {
+    const double way[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return td_length3(way);
+}
 
 /* Depth of a point in a view. */
 static inline double td_swaps_depth(const td_view *view, const double *mean) {

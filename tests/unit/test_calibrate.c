@@ -123,8 +123,8 @@ static void so_is_one_with_spread_and_a_refractory_period(void **state) {
     tides_calibration_free(&found);
 }
 
-/* A pair that ends with a noise event is off by anything up to two thresholds, and mustn't lead the fit. Every fourth event here
- * is noise, and nothing tells its rate. With a clip of 1.5 threshold_on is 2.2 % low. */
+/* A pair that ends with a noise event is off by anything up to two thresholds, and mustn't lead the fit. Every fourth event
+ * here is noise, and nothing tells its rate. With a clip of 1.5 threshold_on is 2.2 % low. */
 static void noise_moves_nothing(void **state) {
     const char *const sets[] = {plain[0], plain[1], plain[2], plain[3], "frontend.shot_noise_hz=12"};
     const uint64_t noisy = record(*state, "n.h5", sets, 5), clean = record(*state, "c.h5", sets, 4);
@@ -158,8 +158,8 @@ static tides_calibration by_frames(void *folder, const char *name, const char *c
     return found;
 }
 
-/* Frames don't say what light does between them. Error bars say how much that is: fewer frames have wider ones, and all truths are
- * within two. With straight lines between 100 frames a second, thresholds are 5.6 % low, and the pole is 1.65 ms. */
+/* Frames don't say what light does between them. Error bars say how much that is: fewer frames have wider ones, and all truths
+ * are within two. With straight lines between 100 frames a second, thresholds are 5.6 % low, and the pole is 1.65 ms. */
 static void frames_say_how_little_they_tell(void **state) {
     static const char *const dense[] = {"exposure.frames_per_second=200", "exposure.exposure_s=0.00125"};
     static const char *const sparse[] = {"exposure.frames_per_second=100", "exposure.exposure_s=0.0025"};
