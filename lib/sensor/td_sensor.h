@@ -74,6 +74,11 @@ TIDES_MUST_CHECK tides_status td_work_join(td_work *to, const td_work *piece, ti
 void td_work_clear(td_work *work);
 void td_work_release(td_work *work);
 
+/* Bounds of a pixel's additive noise from the time reached up to `until_ns`. */
+typedef struct td_noise_ahead {
+    double low, high, until_ns;
+} td_noise_ahead;
+
 /* An array of values that pixels carry from step to step. */
 typedef struct td_carried {
     const char *name;   /* in checkpoints; NULL: not saved, since it follows from the rest */
@@ -110,7 +115,7 @@ typedef struct td_sensor {
     uint64_t maps_checksum; /* of the file of maps; 0: there was none */
     struct {
         double *draw; /* (count) in (0, 1): places the first reference between the levels; NULL: at the signal */
-        double log_passage[TD_PASSAGES]; /* logarithms of hazards h(u) of additive noise, for `draw` */
+        float log_passage[TD_PASSAGES]; /* logarithms of hazards h(u) of additive noise, for `draw` */
     } first;
     td_frontend frontend;
     struct {
@@ -123,6 +128,8 @@ typedef struct td_sensor {
     struct {
         double *number, *value; /* additive noise's segment at the time reached: its number, value at its begin [log units], */
         double *light;          /* and log-luminance there, of noise that depends on light */
+        td_noise_ahead *ahead;  /* these follow from the others: td_sensor_resume */
+        td_noise_now *now;      /* of noise that varies */
     } segment;
     uint32_t *number; /* the pixel's number in the image, for additive noise */
     struct {
@@ -314,6 +321,12 @@ static inline double td_reference_of(double on, double off, double initial, uint
 
 /* The segment of the additive noise that contains the time reached. */
 td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel);
+
+/* Makes that the pixel's segment. */
+void td_sensor_put_segment(const td_sensor *sensor, size_t pixel, const td_noise_segment *segment);
+
+/* Computes what follows from the pixel's segment. */
+void td_sensor_resume_noise(const td_sensor *sensor, size_t pixel);
 
 /* The sum of additive noise and kicks at a time [ns since the run's start], not before the time reached; 0 without them. */
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);
