@@ -166,8 +166,11 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
     if (sensor->additive.on) {
         sensor->segment.number = td_alloc(sensor->count, sizeof *sensor->segment.number, error);
         sensor->segment.value = td_alloc(sensor->count, sizeof *sensor->segment.value, error);
-        if (!sensor->segment.number || !sensor->segment.value) return TIDES_NO_MEMORY;
+        sensor->segment.ahead = td_alloc(sensor->count, sizeof *sensor->segment.ahead, error);
+        if (!sensor->segment.number || !sensor->segment.value || !sensor->segment.ahead) return TIDES_NO_MEMORY;
         if (sensor->additive.varies && !(sensor->segment.light = td_alloc(sensor->count, sizeof *sensor->segment.light, error)))
+            return TIDES_NO_MEMORY;
+        if (sensor->additive.varies && !(sensor->segment.now = td_alloc(sensor->count, sizeof *sensor->segment.now, error)))
             return TIDES_NO_MEMORY;
     }
     if (sensor->additive.on || sensor->kick.on) {
@@ -291,6 +294,8 @@ void td_sensor_release(td_sensor *sensor) {
     free(sensor->segment.number);
     free(sensor->segment.value);
     free(sensor->segment.light);
+    free(sensor->segment.ahead);
+    free(sensor->segment.now);
     free(sensor->additive.own);
     free(sensor->segment.pixel);
     td_shot_noise_release(&sensor->noise);

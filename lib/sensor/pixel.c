@@ -105,12 +105,17 @@ static void begin_segments(walk *w) {
     if (!sensor->additive.on && !sensor->kick.on) return;
     w->noisy = w->pixel->response;
     td_response_range(&w->pixel->response, &w->low, &w->high);
+    if (sensor->additive.on) {
+        w->low = td_greater(w->low, w->pixel->low);
+        w->high = td_lesser(w->high, w->pixel->high);
+    }
     begin_kicks(w);
     if (sensor->additive.on) {
         w->path = w->pixel->noise;
-        w->segment =
-            td_additive_noise_along(&sensor->additive, sensor->segment.pixel[i], (uint64_t)sensor->segment.number[i],
-                                    sensor->segment.value[i], sensor->segment.light ? sensor->segment.light[i] : 0, &w->path);
+        w->segment = sensor->additive.varies
+                         ? td_sensor_noise_segment(sensor, i)
+                         : td_additive_noise_along(&sensor->additive, sensor->segment.pixel[i], (uint64_t)sensor->segment.number[i],
+                                                   sensor->segment.value[i], 0, &w->path);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     w->segment_until = fmin(w->noise_until, w->kick_until);
@@ -159,9 +164,7 @@ static void end_segments(walk *w) {
     const td_sensor *sensor = w->job->sensor;
     if (!sensor->additive.on) return;
     seek_segment(w, 1);
-    sensor->segment.number[w->pixel->i] = (double)w->segment.k;
-    sensor->segment.value[w->pixel->i] = w->segment.begin;
-    if (sensor->segment.light) sensor->segment.light[w->pixel->i] = w->segment.light;
+    td_sensor_put_segment(sensor, w->pixel->i, &w->segment);
 }
 
 /* The signal at the step's end, with noise and kicks. pixel->end is exact; the response may miss it by rounding. */
@@ -326,10 +329,15 @@ static void pass_masked(walk *w) {
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
+/* 1: the comparator found the segment's noise quiet, and the reference is the one that it knew. */
+static int is_quiet(const walk *w) {
+    return w->segment.k < w->pixel->quiet_before && w->reference == w->job->sensor->pixels.reference[w->pixel->i];
+}
+
 /* Passes over segments of the noise that can't reach a level, up to `end`. Returns where the walk's segment ends, or `end` if
  * that is earlier. */
 static double pass_quiet(walk *w, double end) {
-    while (w->segment_until < end && stays_between(w, w->low, w->high)) {
+    while (w->segment_until < end && (is_quiet(w) || stays_between(w, w->low, w->high))) {
         w->s = w->segment_until;
         seek_segment(w, w->s);
     }
