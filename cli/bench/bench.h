@@ -94,7 +94,7 @@ typedef struct bench {
 typedef struct bench_row {
     char scene[64];
     const char *method, *unit, *image;
-    double setting;
+    double setting; /* in `unit` */
     /* Full frames that equal steps render if no tile is skipped; 0: the steps aren't equal. The number
      * stats.renders_full_frame_equivalent is less where tiles in which nothing moves are skipped. */
     double frames;
@@ -105,7 +105,7 @@ typedef struct bench_row {
     tides_stats stats;  /* of the last run */
     tides_match match;  /* of the first run's events against the exact stream */
     int32_t refused;    /* 1: the device lacks what the row needs, so the row isn't in the results */
-    double exact_share; /* of bench_exact_share */
+    double exact_share; /* the result of bench_exact_share */
 } bench_row;
 
 typedef struct bench_rows {
@@ -200,11 +200,12 @@ typedef struct bench_table {
 tides_status bench_write_table(const bench *b, const char *name, cJSON *header, const bench_table *table, tides_error *error);
 /* NAME.csv alone, as of now: a long run writes it as its rows end. */
 tides_status bench_write_csv(const bench *b, const char *name, const bench_table *table, tides_error *error);
+/* Writes the path of the file NAME with `ending` in the benchmark's directory to `path`. */
 tides_status bench_path(const bench *b, const char *name, const char *ending, char *path, size_t size, tides_error *error);
 
 /* bench_summary.c: run time and renders that a method needs for a target, interpolated between its settings. */
 typedef struct bench_need {
-    double run_time_s, renders, frames, mismatch_percent; /* frames: as in bench_row, or `renders` without such a number */
+    double run_time_s, renders, frames, mismatch_percent; /* frames: as in bench_row; `renders` if the steps aren't equal */
     /* 0: interpolated. 1: an upper bound, because the cheapest setting already meets the target. -1: a lower bound, because
      * even the finest setting misses it. */
     int32_t bound;
@@ -221,7 +222,7 @@ void bench_summary(const bench_rows *rows, const char *scene, FILE *out);
 #define BENCH_EXACT_SHARE 0.01         /* greatest exact_share of an exact stream that is good enough (DESIGN 7) */
 #define BENCH_MISMATCH_TOLERANCE 0.003 /* [thresholds] of the judged row of method "error", which looks no events up */
 #define BENCH_DEFAULT_TOLERANCE 0.1    /* [thresholds] of method "default", which looks events up */
-#define BENCH_MISMATCH_PERCENT 0.01    /* greatest share of events without a counterpart */
+#define BENCH_MISMATCH_PERCENT 0.01    /* greatest share of events without a counterpart [%] */
 typedef struct bench_verdict {
     int32_t rows, estimated, honest;   /* rows; rows that estimate their errors; rows whose errors keep to the estimates */
     int32_t of_image[BENCH_RULES];     /* rows of the image with these rules */
@@ -237,6 +238,7 @@ int32_t bench_is_honest(const bench_row *row);
  * time by which the last halving of the exact stream's steps moved its events. Up to 1 ns, the unit of event times, it counts
  * as 0. */
 double bench_exact_share(const tides_exact *truth, const tides_match *match);
+/* Judges a scene's rows. bench_print_verdict prints the verdict. */
 bench_verdict bench_judge(const bench_rows *rows, const char *scene);
 void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);
 
@@ -286,8 +288,7 @@ typedef struct bench_cost {
     double run_time_s, processor_s;      /* of the case's runs: medians; processor time is of all threads */
     double ratio, ratio_low, ratio_high; /* processor time over the base's in the same pair: median and quartiles */
     double run_ratio;                    /* run time over the base's in the same pair: median */
-    /* Additional processor time of the caller's thread, which runs the sensor, per pixel and step: median and quartiles
-     * [ns]. */
+    /* Additional processor time of the caller's thread, which runs the sensor, per pixel and step [ns]: median, quartiles. */
     double ns, ns_low, ns_high;
     double steps, pixel_steps; /* steps of a run; steps times pixels */
     double spent_s;            /* run time of all pairs */

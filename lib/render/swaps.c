@@ -19,16 +19,13 @@
 enum { LEAST_PARTS = 4, MOST_PARTS = 64 };
 static const double steady = 0.2;
 
-/* Extent of a splat in standard deviations of its ellipsoid: there, a splat of opacity 1 has alpha 1/255. */
-static const double sigmas = 3.4;
-
 /* -- making and freeing ------------------------------------------------------------------------------------------------ */
 
 /* An upper bound of the largest standard deviation: Frobenius' norm of the factor. */
 static float extent_of(const double *geometry) {
     double sum = 0;
     for (int k = 0; k < 9; k++) sum += geometry[TD_G_FACTOR + k] * geometry[TD_G_FACTOR + k];
-    return (float)(sigmas * sqrt(sum));
+    return (float)(TD_SWAPS_SIGMAS * sqrt(sum));
 }
 
 tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error) {
@@ -146,11 +143,6 @@ static double turned_by(const td_swap_samples *at, int object) {
     return most * at->h * at->parts;
 }
 
-double td_swaps_reach(const tides_renderer *renderer, const struct td_swaps *swaps, int g, double z) {
-    const td_image *image = &renderer->image;
-    return TD_SWAPS_ASKEW * ((double)swaps->extent[g] + sigmas * sqrt(image->dilation) * fabs(z) / image->fx);
-}
-
 /* Finds which Gaussians may swap; returns 1 if any may. */
 static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at) {
     const td_store *store = &renderer->store;
@@ -181,7 +173,7 @@ static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, 
     return any;
 }
 
-/* -- the search ------------------------------------------------------------------------------------------------------------- */
+/* -- the search ------------------------------------------------------------------------------------------------------------ */
 
 static int by_place(const void *a, const void *b) {
     const td_swap *x = a, *y = b;

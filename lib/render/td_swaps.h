@@ -8,6 +8,8 @@
 #include "camera/td_rotation.h"
 #include "td_renderer.h"
 
+#include <math.h>
+
 /* Reach: splats are apart when less than exp(-TD_SWAP_REACH), 2 %, of the light they take is still shared. */
 #define TD_SWAP_REACH 4.0
 
@@ -93,9 +95,12 @@ typedef struct td_swap_tile {
     tides_error *error;
 } td_swap_tile;
 
-/* Possible partners of a splat in a swap. TD_MAY_SWAP: only splats of other bodies; TD_MAY_SLOWLY: in tiles with few splats also of
- * its own body; TD_MAY_SHORTLY: also of its own body, if the swap is short; TD_MAY_ALONE: also of its own body. */
+/* Possible partners of a splat in a swap. TD_MAY_SWAP: only splats of other bodies; TD_MAY_SLOWLY: in tiles with few splats
+ * also of its own body; TD_MAY_SHORTLY: also of its own body, if the swap is short; TD_MAY_ALONE: also of its own body. */
 enum { TD_MAY_NOT, TD_MAY_SWAP, TD_MAY_SLOWLY, TD_MAY_SHORTLY, TD_MAY_ALONE };
+
+/* Extent of a splat in standard deviations of its ellipsoid: there, a splat of opacity 1 has alpha 1/255. */
+#define TD_SWAPS_SIGMAS 3.4
 
 /* Two splats that overlap in the image at equal depth have centres at most the sum of their extents apart, times this factor
  * off the axis. */
@@ -114,7 +119,10 @@ static inline double td_swaps_depth(const td_view *view, const double *mean) {
 
 /* Half the distance, in its object's units, between a splat at depth z and a splat that shares a pixel with it at that
  * depth. */
-double td_swaps_reach(const tides_renderer *renderer, const struct td_swaps *swaps, int g, double z);
+static inline double td_swaps_reach(const tides_renderer *renderer, const struct td_swaps *swaps, int g, double z) {
+    const td_image *image = &renderer->image;
+    return TD_SWAPS_ASKEW * ((double)swaps->extent[g] + TD_SWAPS_SIGMAS * sqrt(image->dilation) * fabs(z) / image->fx);
+}
 
 /* Searches a tile, and adds its swaps and fades to the portion's (swap_tile.c). */
 TIDES_MUST_CHECK tides_status td_swaps_look_in(const tides_renderer *renderer, const struct td_swaps *swaps,

@@ -114,8 +114,8 @@ static void begin_segments(walk *w) {
         w->path = w->pixel->noise;
         w->segment = sensor->additive.varies
                          ? td_sensor_noise_segment(sensor, i)
-                         : td_additive_noise_along(&sensor->additive, sensor->segment.pixel[i], (uint64_t)sensor->segment.number[i],
-                                                   sensor->segment.value[i], 0, &w->path);
+                         : td_additive_noise_along(&sensor->additive, sensor->segment.pixel[i],
+                                                   (uint64_t)sensor->segment.number[i], sensor->segment.value[i], 0, &w->path);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     w->segment_until = fmin(w->noise_until, w->kick_until);

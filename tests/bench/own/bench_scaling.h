@@ -1,4 +1,5 @@
-/* Growth of cost: axes, their points, and the measurements of each point (tides bench scaling). */
+/* Growth of cost (benchmark "scaling"). An axis is a property of a world that grows, such as its pixels. A point is one
+ * value of it, at which frames or a run are measured. */
 #ifndef CLI_BENCH_SCALING_H
 #define CLI_BENCH_SCALING_H
 
@@ -6,40 +7,39 @@
 
 enum { POINTS_MAX = 8, AXES_MAX = 16 };
 
-/* What a point is made of. Its camera and its stepping are those of the run; a frame is made of it where the axis says so. */
+/* The world of a point. The stepping is for runs alone. */
 typedef struct scaling_world {
     bench_scene scene;
     tides_stepping stepping;
-    int32_t threads; /* of the device; 0: as many as it has */
+    int32_t threads; /* of the device; 0: all that it has */
     int32_t quick;
-    int32_t kernels; /* 1: none are cached */
+    int32_t kernels; /* 1: the device's cache of kernels is empty */
 } scaling_world;
 
 typedef enum scaling_work { WORK_FRAMES, WORK_RUN, WORK_START /* to the first event */ } scaling_work;
 
-/* What grows. */
 typedef struct scaling_axis {
-    const char *name, *unit, *sentence; /* "pixels", "px", what stays and what grows */
+    const char *name, *unit, *sentence; /* "pixels", "px"; the sentence says what stays and what grows */
     scaling_work work;
     tides_status (*make)(double x, scaling_world *world, tides_error *error);
     double points[POINTS_MAX]; /* ascending, 0 behind the last; the first may be 0 too */
-    double most;               /* the exponent may be so large; 0: it is told and not judged */
-    int32_t by_events;         /* 1: x is the events that came, not what was asked for */
-    int32_t in_quick;          /* of the points; the rest is left out with --quick */
+    double most;               /* greatest allowed exponent of the growth; 0: it is printed, but not judged */
+    int32_t by_events;         /* 1: x becomes the number of events of the run */
+    int32_t in_quick;          /* number of points that are measured with --quick */
 } scaling_axis;
 
-/* bench_scaling_axes.c: all of them; how many. */
+/* bench_scaling_axes.c: all axes, `*count` of them. */
 const scaling_axis *scaling_axes(size_t *count);
 
-/* Plain numbers: it comes through a pipe. */
+/* The result of a point. It goes through a pipe, so it must have no pointers. */
 typedef struct scaling_result {
     double x;
-    double time_s, processor_s; /* of a frame, or of the run without kernel builds; the least of some */
-    double host_s;              /* of processor_s the calling thread's: what more threads don't divide */
+    double time_s, processor_s; /* of a frame, or of the run without kernel builds: the least of some */
+    double host_s;              /* the part of processor_s in the calling thread, which more threads don't divide */
     int32_t runs, failed;
-    tides_stats stats; /* of the last run; of frames what the last one projected and composited */
+    tides_stats stats; /* of the last run; or projected Gaussians and pairs of the last frame */
     uint64_t peak_bytes;
-    char said[256]; /* why it failed */
+    char said[256]; /* the reason for a failure */
 } scaling_result;
 
 typedef struct scaling_line {

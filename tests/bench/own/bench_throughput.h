@@ -4,22 +4,24 @@
 
 #include "bench_frames.h"
 
-/* A stage of what some maker makes of a scene. Times are of one frame, or of the run; NaN: there is no such number. */
+/* A stage of making a frame, of a run, or of writing events; `maker` names the code that is measured. Times are of one
+ * frame, or of the run. NaN: there is no such number. */
 typedef struct bench_stage {
     char scene[64];
     int32_t width, height;
     double gaussians;
-    const char *maker; /* "inria", "limit L", "run", "sink" */
+    const char *maker; /* "inria", "limit L", "run"; or a sink: "HDF5" */
     const char *stage; /* "composite" */
-    int32_t of_frame;  /* 1: a stage of a frame, or the whole */
+    int32_t of_frame;  /* 1: a stage of a frame, or the whole frame */
     int32_t runs;
     double time_s, low_s, high_s; /* median and quartiles */
     double share;                 /* of the whole */
     double calls, items;
     const char *unit; /* of items */
     double pairs, bytes;
-    double limit_s, over_limit, over_limit_low, over_limit_high;
-    double over_inria, over_without_rates; /* the whole frame: against inria's, and against its own without L_dot */
+    double limit_s;                                     /* time of the limit (bench_limit.h) in this stage */
+    double over_limit, over_limit_low, over_limit_high; /* time over the limit's: median and quartiles */
+    double over_inria, over_without_rates;              /* time over inria's, and over the maker's own without L_dot */
 } bench_stage;
 
 typedef struct bench_stages {
@@ -28,7 +30,7 @@ typedef struct bench_stages {
     cJSON *header, *targets;
 } bench_stages;
 
-/* Appends a row of a scene, its numbers not known yet; NULL: out of memory. */
+/* Appends a row of a scene, whose numbers are still NaN; NULL: out of memory. */
 bench_stage *bench_stages_add(bench_stages *stages, const bench_scene *scene, const char *maker, const char *stage,
                               tides_error *error);
 
