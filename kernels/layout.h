@@ -109,11 +109,14 @@ typedef struct td_path_terms {
     td_real rounding;  /* relative, of one number */
 } td_path_terms;
 
+/* Far below any colour: the floor of methods that don't clamp colours. */
+#define TD_NO_FLOOR TD_REAL(-1e30)
+
 /* Object to camera at one time, [slot][object]: p_camera = r p_object + t, and r contains the object's scale. `eye` is the
  * camera's centre in the object's coordinates, so that SH of every degree turns with the object. */
 typedef struct td_view {
     td_real r[9], r_dot[9], t[3], t_dot[3], eye[3], eye_dot[3];
-    td_real colour_floor; /* colour is clamped from below here: at 0, or far below it for methods that don't clamp */
+    td_real colour_floor; /* colour is clamped from below here: at 0, or at TD_NO_FLOOR */
     td_real padding;
 } td_view;
 
@@ -177,6 +180,7 @@ typedef struct td_image {
     td_real luminance[3];
     td_real soft_depth;   /* relative depth over which the density of a splat falls to 1/e, in soft order */
     td_real decoder_gain; /* greatest change of Y per change of the largest |feature| */
+    td_real colour_floor; /* of all objects (td_view), or far below where they differ */
     td_lens lens;
     td_transfer transfer;
     int width, height;

@@ -61,7 +61,11 @@ TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int 
     td_gaussian numbers;
     td_load_gaussian(&own, image, td_not_below_0(gaussian), &numbers);
     td_shape shape = td_project_bare(view, image, &numbers, gaussian >= 0);
-    td_colour colour = td_project_colour(view, image, &own, &numbers, td_not_below_0(gaussian));
+    /* Cubics follow colours that aren't clamped. A clamp is a kink, which no cubic follows: splats with one were projected at
+     * each point's own time, at ten times the cost. Points clamp what the cubics say (point_splats.h). */
+    const int clamps_here = !td_is_coded(image) || view->colour_floor > image->colour_floor;
+    td_colour colour = td_project_colour_above(view, image, &own, &numbers, td_not_below_0(gaussian),
+                                               clamps_here ? view->colour_floor : TD_NO_FLOOR);
     td_lanes entry[TD_PATH_STRIDE];
     td_dual light = colour.channel[0];
     if (td_is_coded(image))
@@ -186,10 +190,10 @@ TD_INLINE td_dual td_path_a(const td_path_splat *splat) {
 }
 
 /* Adds green and blue to `luminance`, which is red so far. Errors add by absolute value, since an error of one channel isn't
- * made up for by another's. */
+ * made up for by another's. Colours are compared before their clamp, since a clamp makes no error greater. */
 TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, const td_path_cubic *cubic,
                                 const td_image *image, td_path_splat *own, td_path_stray *off) {
-    own->luminance = td_dual_scale(own->luminance, image->luminance[0]);
+    own->luminance = td_dual_scale(td_sh_floor(own->luminance, image->colour_floor), image->luminance[0]);
     off->luminance =
         td_dual_make(td_size(off->luminance.v) * image->luminance[0], td_size(off->luminance.d) * image->luminance[0]);
     for (int k = 0; k < TD_BESIDE_NUMBERS; k++) {
@@ -200,7 +204,7 @@ TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, c
         }
         td_dual missed = td_dual_sub(at[1], td_path_between(cubic, at[0], at[2]));
         td_real weight = image->luminance[1 + k];
-        own->luminance = td_dual_plus(own->luminance, weight, at[1]);
+        own->luminance = td_dual_plus(own->luminance, weight, td_sh_floor(at[1], image->colour_floor));
         off->luminance = td_dual_plus(off->luminance, weight, td_dual_make(td_size(missed.v), td_size(missed.d)));
     }
 }

@@ -135,7 +135,9 @@ TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight
     view.power = td_select(td_splat(-1000.0f), power, there);
     view.opacity = opacity.v;
     view.slope = td_fma(-0.5f * distance.d, opacity.v, opacity.d) * rate;
-    view.luminance = td_point_pick(value, TD_P_LUMINANCE), view.luminance_dot = td_point_pick(slope, TD_P_LUMINANCE) * rate;
+    td_dual light = td_dual_make(td_point_pick(value, TD_P_LUMINANCE), td_point_pick(slope, TD_P_LUMINANCE) * rate);
+    if (td_is_coded(image)) light = td_sh_floor(light, image->colour_floor); /* curves of colours aren't clamped */
+    view.luminance = light.v, view.luminance_dot = light.d;
     view.depth = td_select(td_splat(0.0f), z.v, there), view.growth = z.d * rate * (inverse * under);
     return view;
 }
@@ -195,8 +197,8 @@ TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real 
 TD_INLINE int td_point_beside_at(int curve) { return curve / (TD_CURVE_REALS / TD_BESIDE_REALS); }
 
 /* Green and blue at the times of the lanes, on one curve for all (`together`), or on a curve each. */
-TD_INLINE void td_point_see_beside(TD_GLOBAL const td_real *beside, const int *curve, int together, td_lanes way, td_lanes rate,
-                                   TD_GLOBAL td_real *view) {
+TD_INLINE void td_point_see_beside(const td_image *image, TD_GLOBAL const td_real *beside, const int *curve, int together,
+                                   td_lanes way, td_lanes rate, TD_GLOBAL td_real *view) {
     td_lanes green, green_slope, blue, blue_slope;
     if (together) {
         TD_GLOBAL const td_real *a = beside + td_point_beside_at(curve[0]);
@@ -209,10 +211,12 @@ TD_INLINE void td_point_see_beside(TD_GLOBAL const td_real *beside, const int *c
         td_point_cubic(of.a, of.c, of.e, of.g, way, &green, &green_slope);
         td_point_cubic(of.b, of.d, of.f, of.h, way, &blue, &blue_slope);
     }
-    td_store_lanes(view + TD_V_GREEN * TD_LANES, green);
-    td_store_lanes(view + TD_V_GREEN_DOT * TD_LANES, green_slope * rate);
-    td_store_lanes(view + TD_V_BLUE * TD_LANES, blue);
-    td_store_lanes(view + TD_V_BLUE_DOT * TD_LANES, blue_slope * rate);
+    const td_dual g = td_sh_floor(td_dual_make(green, green_slope * rate), image->colour_floor);
+    const td_dual b = td_sh_floor(td_dual_make(blue, blue_slope * rate), image->colour_floor);
+    td_store_lanes(view + TD_V_GREEN * TD_LANES, g.v);
+    td_store_lanes(view + TD_V_GREEN_DOT * TD_LANES, g.d);
+    td_store_lanes(view + TD_V_BLUE * TD_LANES, b.v);
+    td_store_lanes(view + TD_V_BLUE_DOT * TD_LANES, b.d);
 }
 
 /* -- a list -------------------------------------------------------------------------------------------------------- */
@@ -270,7 +274,7 @@ TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image,
         td_point_view view = td_point_see(image, &value, &slope, td_collect(rate + lanes), eye->x, eye->y);
         td_point_store_view(&view, views + i * room);
         if (td_is_coded(image))
-            td_point_see_beside(paths->beside + path / TD_PATH_LEVELS * TD_BESIDE_REALS, curve + lanes, together[level],
+            td_point_see_beside(image, paths->beside + path / TD_PATH_LEVELS * TD_BESIDE_REALS, curve + lanes, together[level],
                                 td_collect(way + lanes), td_collect(rate + lanes), views + i * room);
     }
     for (int i = 0; i < count; i++) {

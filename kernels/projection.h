@@ -336,17 +336,24 @@ TD_INLINE td_dual td_from_eye(TD_GLOBAL const td_view *view, const td_image *ima
     return td_dual_sub(td_number_of(gaussian, image, origin + j), td_dual_all(view->eye[j], view->eye_dot[j]));
 }
 
-/* The colours seen along the unit direction from the eye to the origins of the Gaussians at `row`. */
-TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
-                                      const td_gaussian *gaussian, td_index row) {
+/* The colours seen along the unit direction from the eye to the origins of the Gaussians at `row`, clamped at `floor`. */
+TD_INLINE td_colour td_project_colour_above(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                            const td_gaussian *gaussian, td_index row, td_real floor) {
     const td_dual d[3] = {td_from_eye(view, image, gaussian, 0), td_from_eye(view, image, gaussian, 1),
                           td_from_eye(view, image, gaussian, 2)};
     /* A Gaussian at the eye itself is behind the near plane. The offset only keeps 1/length finite. */
     td_dual length = td_dual_sqrt(td_dual_offset(td_dual_dot3(d, d), TD_REAL(1e-30)));
     td_dual inverse = td_dual_reciprocal(length);
     td_sh_source sh = td_sh_source_of(view, image, source, row);
+    sh.floor = floor;
     return td_sh_colour(td_dual_mul(d[0], inverse), td_dual_mul(d[1], inverse), td_dual_mul(d[2], inverse), &sh,
                         td_sh_degree(image));
+}
+
+/* The colours that td_project_colour_above computes, clamped at the floor of the object's method. */
+TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                      const td_gaussian *gaussian, td_index row) {
+    return td_project_colour_above(view, image, source, gaussian, row, view->colour_floor);
 }
 
 #endif

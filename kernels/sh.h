@@ -28,7 +28,7 @@ typedef struct td_sh_source {
     TD_GLOBAL const td_real *rates;
     td_index index, rate_index;
     int moving;
-    td_real floor; /* lower bound of each colour channel */
+    td_real floor; /* lower bound of each colour channel (TD_NO_FLOOR: none) */
 } td_sh_source;
 
 /* td_sh_numbers gives entry 3 k + channel of the SH coefficients of TD_LANES Gaussians, and the entry's rate. Rates are valid

@@ -4,13 +4,13 @@
 # usage: check_arm.sh [PART...]     as root; all parts where none is named; they go side by side:
 #   hashes   the runs of `tides bench determinism --quick` on the float reference: the hash of their events, and x86-64's is the same
 #   wheel    `make wheel` by arm64's own compiler; pip installs it where there is python3 and pip alone, and README's example runs
-#   tests    unit, kernel and golden tests. Kernels' have no device here: their scalar halves run, the rest says skipped
-#   pocl     three of the runs on PoCL, in one thread
+#   tests    unit and golden tests, without a device
+#   pocl     three of the runs on PoCL, and the kernels' tests, each in one thread
 # environment: ROOT for arm64's systems, made once (1.5 GB); CROSS the compiler (make's own CC is this machine's); NATIVE this
 #   machine's tool; JOBS; LIMIT processor seconds of emulation for a program of tests, which is late past them: it is named, and
-#   neither passed nor failed; TESTS, RUNS, POCL_RUNS
+#   neither passed nor failed; TESTS, KERNELS, RUNS, POCL_RUNS
 set -u
-root=${ROOT:-$PWD/build/arm64} native=${NATIVE:-build/release/tides} limit=${LIMIT:-400} jobs=${JOBS:-2}
+root=${ROOT:-$PWD/build/arm64} native=${NATIVE:-build/release/tides} limit=${LIMIT:-800} jobs=${JOBS:-2}
 bare=$root.bare
 compiler="${CROSS:-aarch64-linux-gnu-gcc} --sysroot=$root"
 multiarch=aarch64-linux-gnu config=arm
@@ -67,19 +67,19 @@ within() {
 
 # -- build -------------------------------------------------------------------------------------------------------------
 parts=${*:-hashes wheel tests pocl}
-case " $parts " in
-    *" tests "*) programs=${TESTS:-$(for source in tests/{unit,kernels,golden}/test_*.c; do echo "$out/${source%.c}"; done)} ;;
-    *) programs= ;;
-esac
+programs_of() { for source in "$@"; do echo "$out/${source%.c}"; done; }
+programs= kernels=
+case " $parts " in *" tests "*) programs=${TESTS-$(programs_of tests/{unit,golden}/test_*.c)} ;; esac
+case " $parts " in *" pocl "*) kernels=${KERNELS-$(programs_of tests/kernels/test_*.c)} ;; esac
 export QEMU_LD_PREFIX=$root # where qemu finds what arm64's programs link
 # shellcheck disable=SC2086 # words
 PKG_CONFIG_SYSROOT_DIR=$root PKG_CONFIG_LIBDIR=$root/usr/lib/$multiarch/pkgconfig:$root/usr/share/pkgconfig \
     make -s -j"$jobs" CONFIG=$config CC="$compiler" AR=$multiarch-ar WERROR=-Werror \
-    LDFLAGS="-Wl,-rpath-link,$root/usr/lib/$multiarch:$root/lib/$multiarch" all "$out/share/.made" $programs >"$work/built" 2>&1 ||
+    LDFLAGS="-Wl,-rpath-link,$root/usr/lib/$multiarch:$root/lib/$multiarch" all "$out/share/.made" $programs $kernels >"$work/built" 2>&1 ||
     { tail -n 20 "$work/built"; echo "arm64: the build fails"; exit 1; }
 machine=$(readelf -h "$out/tides" | sed -n 's/ *Machine: *//p')
 [ "$machine" = AArch64 ] || { echo "the tool is $machine's, not AArch64's: CROSS is '$compiler'"; exit 1; }
-say built "$machine, $(echo "$programs" | wc -w) programs of tests"
+say built "$machine, $(echo "$programs $kernels" | wc -w) programs of tests"
 
 # -- hashes ------------------------------------------------------------------------------------------------------------
 folder=$root.runs # the scene and events are this machine's
@@ -181,11 +181,13 @@ wheel() {
 }
 
 # -- tests -------------------------------------------------------------------------------------------------------------
-one() { # PROGRAM: a line 'WORD PROGRAM (seconds of the processor)'; one that hangs ends after an hour, and fails (124)
-    local name=${1#"$out"/tests/} said=$work/said.$BASHPID used code word reason
+# one [COMMAND...] PROGRAM, by COMMAND: a line 'WORD PROGRAM (seconds of the processor)'. One that hangs ends after an hour, and fails (124).
+one() {
+    local name=${!#} said=$work/said.$BASHPID used code word reason
+    name=${name#"$out"/tests/}
     TIMEFORMAT=%U
     # shellcheck disable=SC2030,SC3045
-    used=$( { time (ulimit -St "$limit"; timeout -k 5 3600 "$1" >"$said" 2>&1 </dev/null); code=$?; } 2>&1; exit $code)
+    used=$( { time (ulimit -St "$limit"; "${@:1:$#-1}" timeout -k 5 3600 "${!#}" >"$said" 2>&1 </dev/null); code=$?; } 2>&1; exit $code)
     code=$?
     case $code in
         0 | 77) word=ok; grep -qE '^\[  PASSED  \] [1-9]' "$said" || word=skip ;;
@@ -202,8 +204,11 @@ tests() {
     export OCL_ICD_VENDORS=/nonexistent # this machine's drivers; PoCL's turn is below
     # shellcheck disable=SC2086 # words
     printf '%s\n' $programs | xargs -P "$jobs" -n 1 bash -c 'one "$0"' | tee "$work/tests"
-    say tests "$(awk '{sub(/\(/, "", $3); all += $3} END{printf "%d s of the processor", all}' "$work/tests"), $(grep -c '^skip ' "$work/tests") programs skipped"
+    summary tests
     unset OCL_ICD_VENDORS
+}
+summary() { # PART, whose lines are in its file
+    say "$1" "$(awk '{sub(/\(/, "", $3); all += $3} END{printf "%d s of the processor", all}' "$work/$1"), $(grep -c '^skip ' "$work/$1") programs skipped"
 }
 
 # -- PoCL --------------------------------------------------------------------------------------------------------------
@@ -215,6 +220,10 @@ pocl() {
     lent="POCL_CACHE_DIR=$root.cache POCL_MAX_PTHREAD_COUNT=1" # with two threads qemu 7.2 has died of a segmentation fault
     vectors cpu within "$root" "$PWD" "$out/tides"
     for name in ${POCL_RUNS-fixed default sensor}; do compare "$name" cpu within "$root" "$PWD" "$out/tides"; done
+    export -f one within && export out work limit root lent
+    # shellcheck disable=SC2086 # words
+    printf '%s\n' $kernels | xargs -P "$jobs" -n 1 bash -c 'one within "$root" "$PWD" "$0"' | tee "$work/kernels"
+    summary kernels
     rm -f "$root/cpuinfo"
     lent=
 }

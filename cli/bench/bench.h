@@ -82,7 +82,8 @@ typedef struct bench {
     const char *directory;
     canvas_style style; /* of pictures */
     int32_t quick;
-    int32_t float_truth; /* 1: the measured device computes exact streams: faster, but exact only to some 10 ns */
+    const cli_list *rows; /* of --row */
+    int32_t float_truth;  /* 1: the measured device computes exact streams: faster, but exact only to some 10 ns */
     tides_device *device;
     tides_device_info info;
     cli_progress progress; /* tells only whether the user wants to stop */
@@ -197,6 +198,8 @@ typedef struct bench_table {
     int32_t (*cells)(const void *rows, size_t index, bench_cell cells[BENCH_CELLS_MAX]); /* returns the number of cells */
 } bench_table;
 tides_status bench_write_table(const bench *b, const char *name, cJSON *header, const bench_table *table, tides_error *error);
+/* NAME.csv alone, as of now: a long run writes it as its rows end. */
+tides_status bench_write_csv(const bench *b, const char *name, const bench_table *table, tides_error *error);
 /* Writes the path of the file NAME with `ending` in the benchmark's directory to `path`. */
 tides_status bench_path(const bench *b, const char *name, const char *ending, char *path, size_t size, tides_error *error);
 

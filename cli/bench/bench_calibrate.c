@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SENSORS = 40, SENSORS_QUICK = 1, MEASURED = 6, SETS = 20, SET_CHARS = 4400, LIGHTS = 4 };
+enum { SENSORS = BENCH_CALIBRATE_SENSORS, SENSORS_QUICK = 1, MEASURED = 6, SETS = 20, SET_CHARS = 4400, LIGHTS = 4 };
 /* Frames that a sensor is measured from [Hz]; 0: the scene itself. An exposure lasts a quarter of their period. */
 static const double lights[LIGHTS] = {0, 100, 50, 25};
 #define EXPOSED 0.25
@@ -147,10 +147,10 @@ static void say_row(const bench *b, const calibrate_row *row) {
     if (row->light_hz > 0) snprintf(light, sizeof light, "%g frames/s", row->light_hz);
     bench_say(b,
               "%-12s sensor %2d, %s: C_on %.3g (%.3g), C_off %.3g (%.3g), log_eps %.3g (%.3g), pole %.3g (%.3g) ms, "
-              "refractory %.3g (%.3g) ms%s",
+              "refractory %.3g (%.3g) ms%s; %.0f s",
               row->scene, (int)row->sensor, light, row->found[0], row->truth[0], row->found[1], row->truth[1], row->found[2],
               row->truth[2], 1e3 * row->found[3], 1e3 * row->truth[3], 1e3 * row->found[4], 1e3 * row->truth[4],
-              row->refused ? "; refused" : "");
+              row->refused ? "; refused" : "", row->seconds);
 }
 
 /* -- results -------------------------------------------------------------------------------------------------------------- */
@@ -188,6 +188,9 @@ static int32_t in_group(const calibrate_row *r, int32_t group) {
     return group < 2 ? r->light_hz == 0 && r->noisy == group : r->light_hz == lights[group - 1];
 }
 
+/* 1 where a pole was taken for one of the other law: time constants of two laws can't be compared. */
+static int32_t is_wrong_law(const calibrate_row *r) { return r->truth[3] > 0 && r->found[3] > 0 && r->law != r->seen_law; }
+
 /* One line: median and worst deviation of value `i`, and how often the truth is within the error bar. */
 static void print_value(const calibrate_rows *all, int32_t group, int32_t i, double *off) {
     static const char *const names[MEASURED] = {"threshold_on", "threshold_off", "log_eps",
@@ -197,6 +200,7 @@ static void print_value(const calibrate_rows *all, int32_t group, int32_t i, dou
         const calibrate_row *r = &all->rows[k];
         const double d = fabs(r->found[i] - r->truth[i]);
         if (!in_group(r, group) || r->refused || !(d == d)) continue;
+        if (measured[i] == TIDES_CALIBRATED_POLE && is_wrong_law(r)) continue;
         within += d <= r->error[i];
         off[count++] = i < 2 ? 100 * d / r->truth[i] : d;
     }
@@ -211,11 +215,17 @@ static tides_status print_summary(const calibrate_rows *all, tides_error *error)
     if (!off) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     printf("%-20s %-16s %8s %14s %14s %12s\n", "light", "value", "sensors", "median off", "worst off", "within 1 sd");
     for (int32_t group = 0; group < GROUPS; group++) {
-        size_t refused = 0, count = 0;
-        for (size_t k = 0; k < all->count; k++)
-            if (in_group(&all->rows[k], group)) count++, refused += all->rows[k].refused;
+        size_t refused = 0, count = 0, wrong = 0;
+        for (size_t k = 0; k < all->count; k++) {
+            if (!in_group(&all->rows[k], group)) continue;
+            count++;
+            refused += all->rows[k].refused;
+            wrong += !all->rows[k].refused && is_wrong_law(&all->rows[k]);
+        }
         for (int32_t i = 0; i < MEASURED; i++) print_value(all, group, i, off);
         if (refused) printf("%-20s %zu of %zu sensors refused\n", groups[group], refused, count);
+        if (wrong)
+            printf("%-20s %zu poles go with light and were taken for constant ones, or the reverse\n", groups[group], wrong);
     }
     free(off);
     return TIDES_OK;
@@ -322,6 +332,13 @@ static tides_status one(bench *b, const calibrate_scene *scene, const char *even
     return status;
 }
 
+/* 1 where --row has sensor `i`, or isn't given. */
+static int32_t is_asked(const bench *b, int32_t i) {
+    for (size_t k = 0; k < b->rows->count; k++)
+        if (atoi(b->rows->items[k]) == i) return 1;
+    return b->rows->count == 0;
+}
+
 static tides_status measure_scene(bench *b, const char *name, calibrate_rows *all, tides_error *error) {
     const int32_t sensors = b->quick ? SENSORS_QUICK : SENSORS;
     char events[4300] = "";
@@ -332,7 +349,12 @@ static tides_status measure_scene(bench *b, const char *name, calibrate_rows *al
     if (status == TIDES_OK) status = bench_path(b, "calibrate_events", ".h5", events, sizeof events, error);
     if (status == TIDES_OK) status = find_scene(b, name, scene, error);
     for (int32_t i = 1; i < LIGHTS && !b->quick && status == TIDES_OK; i++) status = make_frames(b, scene, i, error);
-    for (int32_t i = 0; i < sensors && status == TIDES_OK; i++) status = one(b, scene, events, i, all, error);
+    for (int32_t i = 0; i < sensors && status == TIDES_OK; i++) {
+        if (!is_asked(b, i)) continue;
+        status = one(b, scene, events, i, all, error);
+        const bench_table table = {all->rows, all->count, cells_of};
+        if (status == TIDES_OK) status = bench_write_csv(b, "calibrate", &table, error); /* of what there is by now */
+    }
     if (scene && grown) unlink(events);
     free(scene);
     return status;

@@ -4,6 +4,7 @@
 
 #include "bench.h"
 
+enum { BENCH_CALIBRATE_SENSORS = 40 };
 /* Names of the scenes, NULL-terminated: "demo", and "slider_depth" and "trained_srgb" of $TIDES_SHARED. In bench_calibrate any
  * other name is the path of a run file. */
 const char *const *bench_calibrate_names(void);

@@ -1,8 +1,10 @@
 /* tides bench live: the time that a live run takes for each pose, from getting the pose to having its events, at 346x260 and
- * a pose every millisecond. The first step also makes the first image, and is listed separately. Poses are those of the
- * scene's own camera, without rates, to and fro where its path is shorter than the run. Rows of way "ros2" are latencies
- * over ROS 2: from just before a packet of 1 ms of events is encoded and sent until another process has received it, at a
- * few rates of events. */
+ * a pose every millisecond. The first step also makes the first image, and is listed separately. Poses come from the scene's
+ * own camera path, without velocities. If that path is shorter than the run, the camera goes along it to and fro.
+ *
+ * If the Python package is there, the table also has latencies over ROS 2. Packets of 1 ms are sent at 1e5, 1e6 and 5e6
+ * events/s. A latency is from just before a packet is encoded until another process has read it. In these rows column `way` is
+ * "ros2", and columns about steps are about packets. */
 #include "bench.h"
 #include "bench_worlds.h"
 #include "plot.h"
@@ -14,11 +16,11 @@
 enum { WIDTH = 346, HEIGHT = 260, STEPS = 1000, STEPS_QUICK = 10 };
 #define STEP_S 1e-3
 
-/* How steps are taken. */
+/* A set of stepping options that is measured: column `way`. */
 typedef struct live_way {
     const char *name;
-    int32_t parts; /* BENCH_* flags: look-ups, steps per block; 0: neither, steps per tile */
-    double tolerance;
+    int32_t parts;    /* BENCH_SOLVED: events are looked up; BENCH_BLOCKS: each block has its own steps, not each tile */
+    double tolerance; /* [thresholds] */
 } live_way;
 static const live_way ways[] = {{"tiles", 0, 0.01}, {"blocks", BENCH_BLOCKS, 0.01}, {"default", BENCH_TOGETHER, 0.1}};
 enum { WAYS = sizeof ways / sizeof ways[0] };
@@ -27,9 +29,11 @@ typedef struct live_row {
     char scene[64];
     const char *way;
     int32_t steps;
-    double ms[STEPS];               /* sorted */
-    double first_ms, seconds, lost; /* lost: packets that didn't arrive */
-    int32_t taken;                  /* number of steps (ros2: packets) that `stats` covers, including the first */
+    double ms[STEPS]; /* (steps) run time of each step but the first, or latency of each packet; sorted at the end */
+    double first_ms;  /* likewise of the first step or packet */
+    double seconds;   /* [s] run time of these steps, or time in which as many packets were sent */
+    double lost;      /* packets that didn't arrive */
+    int32_t taken;    /* number of steps (ros2: packets) that `stats` covers, including the first */
     tides_stats stats;
 } live_row;
 
@@ -60,8 +64,8 @@ static tides_status pose_at(const bench_scene *scene, double time, tides_pose_sa
     memset(sample, 0, sizeof *sample);
     sample->time = time;
     memcpy(sample->position, pose.position, sizeof sample->position);
-    /* Shepperd's formulas: the largest component first, the others are differences or sums of entries, divided by 4 times
-     * it. */
+    /* Shepperd's formulas take the quaternion's largest component from the matrix's diagonal. Each other component is a sum or
+     * difference of two entries off the diagonal, divided by 4 times the largest. */
     int32_t large = r[0] > r[4] ? (r[0] > r[8] ? 0 : 2) : (r[4] > r[8] ? 1 : 2);
     if (trace > r[4 * large]) {
         q[0] = 0.5 * sqrt(1 + trace);
@@ -113,7 +117,7 @@ static tides_status measure(bench *b, const bench_scene *scene, const live_way *
     double start, stop;
     tides_scene_range(scene->scene, &start, &stop);
     stop = fmin(stop, (row->steps + 2) * STEP_S);
-    if (stop < (row->steps + 2) * STEP_S) row->steps = (int32_t)(stop / STEP_S) - 2; /* until paths of objects end */
+    if (stop < (row->steps + 2) * STEP_S) row->steps = (int32_t)(stop / STEP_S) - 2; /* before paths of objects end */
     if (row->steps < 1)
         return cli_error(error, TIDES_OUT_OF_RANGE, "%s: its objects' paths end after %g s, too early for a live run",
                          scene->name, stop);
@@ -132,7 +136,7 @@ static tides_status measure(bench *b, const bench_scene *scene, const live_way *
     return status;
 }
 
-/* Time that so many percent of the steps don't exceed [ms]. */
+/* The time [ms] that `percent` % of the steps don't exceed. */
 static double percentile(const live_row *row, double percent) {
     const int32_t at = (int32_t)ceil(percent / 100 * row->steps) - 1;
     return row->ms[at < 0 ? 0 : at];
@@ -140,7 +144,7 @@ static double percentile(const live_row *row, double percent) {
 
 /* -- scenes --------------------------------------------------------------------------------------------------------------- */
 
-/* The demo's world, made as long as the run; other scenes as they are. */
+/* Makes the scene. The demo's is made as long as the run. */
 static tides_status make_scene(const bench *b, const char *name, bench_scene *scene, tides_error *error) {
     if (strcmp(name, "demo") != 0) return bench_world_make(name, b->quick, scene, error);
     return bench_make_demo((STEPS + 2) * STEP_S, scene, error); /* quick runs use its beginning */
@@ -191,7 +195,7 @@ static tides_status measure_feed(bench *b, live_rows *all, tides_error *error) {
         cJSON_ArrayForEach(ms, cJSON_GetObjectItemCaseSensitive(of, "ms")) {
             if (row->steps < STEPS) row->ms[row->steps++] = ms->valuedouble;
         }
-        if (row->steps == 0) continue; /* no packet arrived, so that there is no latency */
+        if (row->steps == 0) continue; /* no packet arrived */
         snprintf(row->scene, sizeof row->scene, "%g kev/s", 1e-3 * number(of, "rate"));
         row->way = "ros2";
         row->first_ms = number(of, "first_ms");
@@ -240,16 +244,17 @@ static void print_table(const live_rows *all) {
     }
 }
 
-/* Draws the share of steps [%] within each latency, a point every 2 %. */
+/* Draws the share [%] of steps or packets within each latency, with a point every 2 %. */
 static tides_status draw(const bench *b, const live_rows *all, tides_error *error) {
     enum { CURVES_MAX = CANVAS_SERIES, POINTS = 50 };
     double ms[CURVES_MAX][POINTS], percent[POINTS];
-    cli_canvas canvas = bench_canvas(b, 1000, 720, "from a pose to its events: 346x260, a pose every millisecond");
+    cli_canvas canvas = bench_canvas(b, 1000, 720, "live runs, 346x260, a pose every millisecond; ROS 2, packets of 1 ms");
     plot_panel panel = {.left = 120, .top = 110, .right = 960, .bottom = 560, .y_high = 100, .y_linear = 1};
     plot_curve curves[CURVES_MAX];
     char labels[CURVES_MAX][96];
     const int32_t count = all->count < CURVES_MAX ? (int32_t)all->count : CURVES_MAX;
-    panel.title = "latency of a step", panel.x_label = "latency [ms]", panel.y_label = "steps within it [%]";
+    panel.title = "latency of a step or packet", panel.x_label = "latency [ms]",
+    panel.y_label = "steps or packets within it [%]";
     panel.x_low = INFINITY;
     for (int32_t i = 0; i < count; i++) {
         const live_row *r = &all->rows[i];

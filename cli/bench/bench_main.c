@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const bench_entry everything = {"all", "", NULL, 0, NULL};
+static const bench_entry everything = {"all", "", NULL, 0, NULL, 0};
 
 static const bench_entry *find_benchmark(const bench_list *all, const char *name) {
     for (size_t i = 0; i < all->count; i++)
@@ -45,7 +45,15 @@ static int check_scene(const cli_command *command, const bench_entry *of, const 
     return cli_usage(command, "--scene %s: neither a scene nor a file", name);
 }
 
+static int check_number(const cli_command *command, const bench_entry *of, const char *text) {
+    char *end;
+    const long number = strtol(text, &end, 10);
+    if (end != text && !*end && number >= 0 && number < of->numbered) return CLI_GO;
+    return cli_usage(command, "--row %s: rows of %s are 0 to %d", text, of->name, (int)of->numbered - 1);
+}
+
 static int check_row(const cli_command *command, const bench_entry *of, const char *name) {
+    if (of->numbered) return check_number(command, of, name);
     if (is_one_of(name, of->names())) return CLI_GO;
     const char *nearest = tides_nearest_name(name, of->names());
     if (nearest) return cli_usage(command, "--row %s: there is no such row; did you mean %s?", name, nearest);
@@ -60,7 +68,8 @@ static int check_names(const cli_command *command, const bench_entry *of, const 
     int code = CLI_GO;
     if (of == &everything && scenes->count + rows->count) return cli_usage(command, "all takes neither --scene nor --row");
     if (of->own_devices && scenes->count) return cli_usage(command, "--scene: %s has rows; --row chooses one", of->name);
-    if (!of->own_devices && rows->count) return cli_usage(command, "--row: %s has no rows; --scene chooses a scene", of->name);
+    if (!of->own_devices && !of->numbered && rows->count)
+        return cli_usage(command, "--row: %s has no rows; --scene chooses a scene", of->name);
     for (size_t i = 0; i < scenes->count && code == CLI_GO; i++) code = check_scene(command, of, scenes->items[i]);
     for (size_t i = 0; i < rows->count && code == CLI_GO; i++) code = check_row(command, of, rows->items[i]);
     return code;
@@ -108,7 +117,8 @@ int bench_main(const cli_command *command, const bench_list *all, int argc, char
         {"--output", 'o', "DIR", "where results go (tides-bench)", NULL, &directory, NULL},
         {"--quick", 0, NULL, "small scenes and few settings: a look, not a measurement", &quick, NULL, NULL},
         {"--scene", 0, "NAME", "only this scene, or a trained .ply file; may be repeated", NULL, NULL, &scenes},
-        {"--row", 0, "NAME", "of benchmarks that have rows: only this one; may be repeated", NULL, NULL, &rows},
+        {"--row", 0, "NAME", "of benchmarks that have rows: only this one (of calibrate: a sensor, 0 to 39); may be repeated",
+         NULL, NULL, &rows},
         {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &theme, NULL},
         {"--pictures", 0, "FORMAT", CANVAS_PICTURES_HELP, NULL, &pictures, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
@@ -126,6 +136,7 @@ int bench_main(const cli_command *command, const bench_list *all, int argc, char
                .directory = directory ? directory : "tides-bench",
                .style = style,
                .quick = quick,
+               .rows = &rows,
                .progress = {.quiet = 1}};
     cli_catch_interrupt();
     const tides_status status =

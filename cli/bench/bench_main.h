@@ -11,6 +11,7 @@ typedef struct bench_entry {
     tides_status (*run)(bench *b, const cli_list *names, tides_error *error);
     int32_t own_devices;
     const char *const *(*names)(void); /* choices of --scene or --row; the list ends with a NULL */
+    int32_t numbered;                  /* rows of a scene that have numbers from 0 on, which --row chooses; 0: none */
 } bench_entry;
 
 enum { BENCH_ENTRIES = 16 }; /* in a table at most */

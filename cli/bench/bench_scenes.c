@@ -1,4 +1,5 @@
-/* The benchmark's scenes: deterministic, and small enough for two cores. */
+/* The built-in scenes of `tides bench`, each for a run of 5 to 20 ms. They are the same at every run of the benchmark, and
+ * small enough for one on two cores. */
 #include "bench.h"
 
 #include <math.h>
@@ -7,25 +8,25 @@
 #include <string.h>
 
 #define PI 3.14159265358979323846
-#define CAMERA_Z 3.05 /* [m] of the rooms' cameras */
-#define SLACK_S 0.01  /* time that paths last beyond the run */
+#define CAMERA_Z 3.05 /* z [m] of all cameras here but the orbit's; the demo's camera has it, too */
+#define SLACK_S 0.01  /* [s] paths end this much later than the run */
 
 typedef tides_status (*scene_maker)(bench_scene *s, tides_error *error);
 
-/* A built-in scene, at full size and with --quick. */
+/* A built-in scene. Width, height and duration are those without --quick. */
 typedef struct recipe {
     const char *name, *sentence;
     scene_maker make;
-    const char *file;      /* below $TIDES_SHARED/data, or NULL */
+    const char *file;      /* without `make`: a .ply below $TIDES_SHARED/data; NULL, too: the scene's name is a path */
     int32_t width, height; /* [px] */
     double duration_s, macro_step_s;
-    double truth_step_s; /* 0: macro_step_s / 8 */
-    int32_t transfer;    /* overrides the file's */
+    double truth_step_s; /* [s] longest step with which the search of the exact stream begins; 0: macro_step_s / 8 */
+    int32_t transfer;    /* TIDES_TRANSFER_*; all but _FILE override the transfer that the .ply names */
 } recipe;
 
 /* -- rooms ------------------------------------------------------------------------------------------------------------- */
 
-/* A camera at rest that looks along -z at the room, like the demo's. */
+/* A camera at rest at (0, 0.1, 3.05) that looks along -z: the pose of the still cameras of `tides scene`. */
 static tides_status still_camera(bench_scene *s, tides_error *error) {
     static const double position[3] = {0, 0.1, CAMERA_Z}, along_minus_z[4] = {0, 1, 0, 0}; /* half a turn about x */
     return tides_trajectory_create_static(position, along_minus_z, &s->camera, error);
@@ -46,7 +47,7 @@ static tides_status handheld_camera(bench_scene *s, double frequency, double shi
     return tides_trajectory_create_handheld(&hand, &s->camera, error);
 }
 
-/* Pixels per metre at the depth of the fan, z = 0. */
+/* Pixels per metre at depth z = 0, where all moving objects are. */
 static double pixels_per_metre(const bench_scene *s) { return s->intrinsics.fx / CAMERA_Z; }
 
 static tides_status make_fan(bench_scene *s, tides_error *error) {
@@ -77,10 +78,11 @@ static tides_status make_nearly_static(bench_scene *s, tides_error *error) {
     return status == TIDES_OK ? still_camera(s, error) : status;
 }
 
-/* -- what comes back within a step ------------------------------------------------------------------------------------- */
+/* -- scenes that return to their state within a step ------------------------------------------------------------------- */
 
-/* A ball that swings by 2 px at 100 Hz and by half a pixel at 200 Hz, and a camera at 200 Hz and at a frequency that isn't a
- * multiple of the step's. Without the latter all would be in the same state after each 10 ms. */
+/* A ball vibrates by 2 px at 100 Hz and by 0.5 px at 200 Hz. The camera vibrates by 0.5 px at 200 Hz and by 0.2 px at 137.5 Hz,
+ * which isn't a multiple of 100 Hz, the rate of macro steps. Without 137.5 Hz, the scene would be in the same state at the
+ * start of every macro step. */
 static tides_status make_vibration(bench_scene *s, tides_error *error) {
     const double pixel = 1 / pixels_per_metre(s);
     const bench_vibration ball = {.centre = {0, 0.1, 0},
@@ -120,7 +122,8 @@ static double quantile(float *values, size_t count, double share) {
     return values[(size_t)(share * (double)(count - 1))];
 }
 
-/* Centre and radius of a trained object, by ranks of its splats: distant floaters don't count. */
+/* Finds the place of a trained object. Its centre has the medians of the splats' x, y and z, and 90 % of the splats lie within
+ * its radius. So distant floaters (stray splats) hardly move either. */
 static tides_status find_object(const tides_scene *scene, double centre[3], double *radius, tides_error *error) {
     tides_object object;
     tides_status status = tides_scene_object(scene, 0, &object, error);
@@ -152,8 +155,8 @@ static tides_status orbit_camera(bench_scene *s, tides_error *error) {
     return tides_trajectory_create_orbit(&orbit, &s->camera, error);
 }
 
-/* Number of Gaussians above which a file's run is a third as long: the exact stream comes from the double reference, and takes
- * 100 s of a processor for 90 000. */
+/* A file with more Gaussians than this gets a run of at most 2 ms instead of 6 ms. The double reference renders the exact
+ * stream, which took 100 s of processor time for 90 000 Gaussians. */
 #define LARGE_SCENE 50000
 #define LARGE_SCENE_STOP_S 0.002
 
@@ -165,8 +168,8 @@ static tides_status make_trained(bench_scene *s, const char *file, tides_error *
 
 /* -- the table ------------------------------------------------------------------------------------------------------------- */
 
-/* Error control cuts each macro step in which something moves, so that steps are at most half of it. Macro steps are a run
- * file's default, 10 ms, or the whole run. */
+/* Column macro_step_s is 10 ms, the default of run files, or the whole run if that is shorter. Error control cuts a macro step
+ * with motion into at least two steps. */
 static const recipe recipes[] = {
     {"fan", "a textured fan before a room, handheld camera", make_fan, NULL, 240, 180, 0.005, 0.005, 0, 0},
     {"handheld", "a textured room at rest, handheld camera", make_handheld, NULL, 240, 180, 0.005, 0.005, 0, 0},
@@ -182,10 +185,10 @@ static const recipe recipes[] = {
      2.5e-4, TIDES_TRANSFER_LINEAR},
     {"playbot", "playbot of 3 000 splats, camera in orbit", NULL, "playcanvas/playbot_lod5_inria_sh2.ply", 240, 180, 0.006,
      0.006, 2.5e-4, TIDES_TRANSFER_LINEAR},
-    {"trained_srgb", "the same guitar, its colours decoded", NULL, "playcanvas/guitar_20k_inria_sh0.ply", 240, 180, 0.006,
-     0.006, 2.5e-4, TIDES_TRANSFER_SRGB},
-    {"playbot_srgb", "the same playbot, its colours decoded", NULL, "playcanvas/playbot_lod5_inria_sh2.ply", 240, 180, 0.006,
-     0.006, 2.5e-4, TIDES_TRANSFER_SRGB},
+    {"trained_srgb", "guitar of 20 000 splats, colours decoded as sRGB, camera in orbit", NULL,
+     "playcanvas/guitar_20k_inria_sh0.ply", 240, 180, 0.006, 0.006, 2.5e-4, TIDES_TRANSFER_SRGB},
+    {"playbot_srgb", "playbot of 3 000 splats, colours decoded as sRGB, camera in orbit", NULL,
+     "playcanvas/playbot_lod5_inria_sh2.ply", 240, 180, 0.006, 0.006, 2.5e-4, TIDES_TRANSFER_SRGB},
 };
 enum { RECIPES = sizeof recipes / sizeof recipes[0] };
 static const recipe any_file = {"",     "a trained scene, camera in orbit",
@@ -200,7 +203,8 @@ const char *const *bench_scene_names(void) {
     return names;
 }
 
-/* A --quick scene is 96 pixels wide and lasts 2.5 ms: seconds for all of them. */
+/* Sets all of a scene but its content. With --quick, an image has 96x72 pixels and a run lasts 2.5 ms, so that a benchmark
+ * takes seconds. */
 static void lay_out(bench_scene *s, const recipe *r, int32_t quick) {
     const int32_t width = quick ? 96 : r->width, height = quick ? 72 : r->height;
     const double focal = 300.0 / 346.0 * width; /* the demo's field of view */

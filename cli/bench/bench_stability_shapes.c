@@ -1,5 +1,6 @@
-/* Worlds for the rows of `tides bench stability` about extreme splats: in shape, place, opacity, length of the quaternion, or
- * colour. Each world has 40 splats in front of a backdrop, and all 40 are altered in the way that the row names. */
+/* Makes the worlds (scene, camera, stepping) of `tides bench stability` whose splats are extreme: in shape, place, opacity,
+ * length of the quaternion, or colour. Each world has 60 ordinary splats, the backdrop, and 40 splats that are altered as the
+ * case says. Only SHAPE_SH_BANDS alters all 100. */
 #include "bench_stability.h"
 
 #include <stdlib.h>
@@ -31,8 +32,17 @@ static void turn(stability_splat *s, double size) {
     for (size_t k = 0; k < 4; k++) s->quaternion[k] *= size;
 }
 
-/* Alters splat `i` of a row. The meaning of `size` depends on `kind`: log10 of a scale or of a ratio of scales, a depth in near
- * planes, a spread around the clamp, an opacity's logit, a factor of the quaternion, a harmonic, or the largest colour. */
+/* Alters splat `i` of a world. The meaning of `size` depends on `kind`:
+ *   NEEDLES, PANCAKES  log10 of the ratio of a long to a short scale
+ *   SMALL              -log10 of the scales
+ *   LARGE, SINGULAR    log10 of the largest scale
+ *   NEAR               depth as a multiple of NEAR
+ *   CLAMP              spread of |x/z| about the clamp, as a share of it
+ *   OPACITY            logit of the opacity
+ *   QUATERNION         factor of the quaternion
+ *   SH                 SH coefficient of the constant band
+ *   RADIANCE           largest colour
+ * CROSSING and SH_BANDS don't use it here. */
 static void alter(int32_t kind, double size, int32_t i, const stability_world *w, stability_splat *s) {
     const double long_axis = -0.3;
     switch (kind) {
@@ -62,14 +72,14 @@ static void alter(int32_t kind, double size, int32_t i, const stability_world *w
     }
 }
 
-/* Gives the world a camera that flies forward: splats that are just beyond its near plane pass through the plane. */
+/* Gives the world a camera that flies forward, so that splats just beyond its near plane pass through it. */
 static tides_status go_forward(stability_world *w, tides_error *error) {
     static const stability_slide forward = {.velocity = {0.5, 0, 5}};
     return stability_path(w, &forward, &w->scene.camera, error);
 }
 
 /* Adds the pile to the world with harmonics of degree 3, and frees it. The coefficients of all bands are random within
- * [-size, size]: colours change with the direction, and where they would be negative they are cut at 0. */
+ * [-size, size]. So colours change with the direction of view, and the image formation cuts negative ones at 0. */
 static tides_status put_bands(stability_pile *pile, stability_world *w, double size, tides_error *error) {
     enum { COEFFICIENTS = 16 };
     float *sh = malloc(pile->count * COEFFICIENTS * 3 * sizeof *sh);

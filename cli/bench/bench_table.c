@@ -183,7 +183,7 @@ static void put_csv(FILE *file, const void *what) {
     }
 }
 
-static tides_status write_csv(const bench *b, const char *name, const bench_table *table, tides_error *error) {
+tides_status bench_write_csv(const bench *b, const char *name, const bench_table *table, tides_error *error) {
     char path[4200];
     tides_status status = bench_path(b, name, ".csv", path, sizeof path, error);
     return status == TIDES_OK ? cli_write_file(path, put_csv, table, error) : status;
@@ -191,7 +191,7 @@ static tides_status write_csv(const bench *b, const char *name, const bench_tabl
 
 tides_status bench_write_table(const bench *b, const char *name, cJSON *header, const bench_table *table, tides_error *error) {
     tides_status status = write_json(b, name, header, table, error);
-    return status == TIDES_OK ? write_csv(b, name, table, error) : status;
+    return status == TIDES_OK ? bench_write_csv(b, name, table, error) : status;
 }
 
 tides_status bench_write(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error) {

@@ -79,8 +79,9 @@ typedef struct tides_path {
     double field_of_view_x;       /* [rad] if the file gives one (Blender and D-NeRF give it without a width), else 0 */
     char format[32];   /* "tides", "transforms", "camera_path", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff",
                           "nerfies" */
-    int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
-                          the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
+    int32_t distorted; /* 1: the file's lens is no tides_lens, or differs from frame to frame. Runs then want camera.lens.
+                          Focal lengths are the file's. Those of COLMAP's FOV are multiplied by the lens's magnification
+                          at its axis */
     int32_t untimed;   /* 1: the file has several poses without times; they are spread over options.duration */
     int32_t varied;    /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
     int32_t framed;    /* 1: dataparser_transforms.json was applied */
@@ -96,7 +97,7 @@ typedef struct tides_path {
  *   transforms  nerfstudio / instant-ngp / Blender / D-NeRF transforms.json (OpenGL axes, converted)
  *   camera_path nerfstudio's camera_path.json, as its viewer and Blender add-on write it: perspective and fisheye
  *   cameras     INRIA cameras.json
- *   colmap      images.txt or images.bin, with cameras.txt or .bin beside it: all camera models
+ *   colmap      images.txt or images.bin, with cameras.txt or .bin beside it: camera models 0 to 10
  *   llff        poses_bounds.npy (also Neu3D)
  *   nerfies     a camera's JSON; a folder camera/ of them with scene.json and metadata.json beside it (also HyperNeRF)
  *   tum         text `t tx ty tz qx qy qz qw`, seconds

@@ -9,9 +9,6 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* Portions per thread: they take different times, and a thread that has finished one takes the next. */
-enum { PORTIONS_EACH = 4 };
-
 struct td_pool {
     pthread_t thread[TD_POOL_MOST];
     int threads; /* threads asked for, with the caller's own */
@@ -146,7 +143,7 @@ void td_pool_run(td_pool *pool, int parts, td_pool_part part, void *user) {
 double td_pool_shared_time(const td_pool *pool) { return pool ? pool->shared_time : 0; }
 
 int td_pool_portions(const td_pool *pool, int count, int fewest) {
-    const int threads = td_pool_threads(pool), worth = count / fewest, most = PORTIONS_EACH * threads;
+    const int threads = td_pool_threads(pool), worth = count / fewest, most = TD_POOL_EACH * threads;
     if (threads < 2 || worth < 2) return 1;
     return worth < most ? worth : most;
 }

@@ -50,12 +50,19 @@ TD_WIDE static void philox_lanes(uint32_t c[4][TD_RANDOM_LANES], uint64_t seed) 
 }
 
 void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index, uint32_t purpose, td_random_lanes *bits) {
+    uint32_t each[TD_RANDOM_LANES];
+    for (int i = 0; i < TD_RANDOM_LANES; i++) each[i] = purpose;
+    td_random_each(seed, pixel, index, each, bits);
+}
+
+void td_random_each(uint64_t seed, const uint32_t *pixel, const uint64_t *index, const uint32_t *purpose,
+                    td_random_lanes *bits) {
     uint32_t c[4][TD_RANDOM_LANES];
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
         c[0][i] = (uint32_t)index[i];
         c[1][i] = (uint32_t)(index[i] >> 32);
         c[2][i] = pixel[i];
-        c[3][i] = purpose;
+        c[3][i] = purpose[i];
     }
     philox_lanes(c, seed);
     memcpy(bits->word, c, sizeof c);
@@ -160,3 +167,12 @@ TD_WIDE static void short_lanes(const td_random_lanes *restrict bits, float (*re
 }
 
 void td_random_short_normals_many(const td_random_lanes *bits, float normal[4][TD_RANDOM_LANES]) { short_lanes(bits, normal); }
+
+TD_WIDE static void short_exponentials(const td_random_lanes *restrict bits, float (*restrict value)[TD_RANDOM_LANES]) {
+    for (int i = 0; i < TD_RANDOM_LANES; i++) value[0][i] = short_exponential(bits->word[0][i]);
+    for (int i = 0; i < TD_RANDOM_LANES; i++) value[1][i] = short_exponential(bits->word[2][i]);
+}
+
+void td_random_short_exponentials_many(const td_random_lanes *bits, float value[2][TD_RANDOM_LANES]) {
+    short_exponentials(bits, value);
+}

@@ -11,6 +11,9 @@
 
 enum { TD_POOL_MOST = 256 }; /* threads; more are never started */
 
+/* Portions per thread: they take different times, and a thread that has finished one takes the next. Most portions. */
+enum { TD_POOL_EACH = 4, TD_POOL_PORTIONS = TD_POOL_EACH * TD_POOL_MOST };
+
 typedef struct td_pool td_pool;
 
 /* The processors that this process may run on, 1 at least. */

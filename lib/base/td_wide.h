@@ -40,6 +40,13 @@ static inline int32_t td_wide_bits(void) {
 #define TD_WITHIN static inline
 #endif
 
+/* For functions that mustn't be inlined. */
+#if defined(__GNUC__)
+#define TD_BESIDE __attribute__((__noinline__))
+#else
+#define TD_BESIDE
+#endif
+
 /* floor of x in [0, 2^51), by additions, which vectorise everywhere. */
 static inline double td_whole(double x) {
     const double nearest = (x + 0x1p52) - 0x1p52;

@@ -1,14 +1,22 @@
-/* Measures a sensor from its recording, step by step:
+/* Measures a sensor from its recording. The steps:
  *
- *   recording.c, bursts.c   the stretch's events by pixel; those of frames' readout are marked
- *   light.c                 Y of pixels with events, sampled so that lines between samples are within 0.004 log units
- *   pairs.c, changes.c      by how much the low-passed logarithm moved from event to event
- *   fit.c                   the front end by which these changes agree best
- *   spread.c, noise.c       mismatch, transitions, hot and dead pixels; leak and noise of pixels at rest
- *   correct.c               the method's bias, found by a simulation, is subtracted
- *   first.c                 where references stood at first
- *   part.c, scatter.c, doubt.c  error bars
- *   verdict.c               which values can't be trusted, and why */
+ *   recording.c, bursts.c   read the events of the stretch (the part of the recording that is used), sort them by pixel, and
+ *                           mark the bursts that a DAVIS makes while it reads out a frame
+ *   light.c                 samples the luminance Y of pixels that have two events or more. A scene is rendered at such short
+ *                           steps that ln(Y) is nearly straight between them
+ *   between.c               interpolates frames by cubics in ln(Y)
+ *   pairs.c, changes.c      pair successive events of a pixel, and compute the change of the low-passed ln(Y + black level)
+ *                           from one to the other
+ *   fit.c                   searches the front end (black level, pole, clock offset, refractory period) with which the changes
+ *                           before ON events are most nearly equal, and those before OFF events; their medians are the
+ *                           thresholds
+ *   spread.c                measures the spread of thresholds over the pixels, and the changes by polarity of both events
+ *                           (ON after ON, ON after OFF ...); finds hot and dead pixels
+ *   noise.c                 measures leak and shot noise of pixels at rest
+ *   correct.c               measures simulations of the values found in the same way, and removes the mean deviation of their
+ *                           values; first.c tells it where the pixels' references stood when the stretch began
+ *   part.c, scatter.c, doubt.c  compute error bars
+ *   verdict.c               decides which values can't be trusted, and says why */
 #include "td_calibrate.h"
 
 #include "td_struct.h"
@@ -59,10 +67,11 @@ static void note_counts(const td_calibration *c, tides_calibration *found) {
     found->burst_events = c->taken.in_bursts;
     found->bursts = c->taken.bursts;
     found->pixels = c->light.count;
-    found->samples = (int32_t)c->light.samples;
+    found->samples = (int32_t)((c->light.samples - 1) / (size_t)c->light.finer + 1);
 }
 
-/* 1 where the fit is good enough to simulate with. */
+/* 1 if the fit is good enough for the bias correction and the error bars: both thresholds are above 0.005 log units, and more
+ * than 70 % of the changes have the sign of their event. */
 static int32_t is_sound(const td_calibration *c) { return c->fit.on > 0.005 && c->fit.off > 0.005 && c->fit.agreement > 0.7; }
 
 static tides_status work(const char *recording, tides_session *session, td_calibration *c, tides_calibration *found,
@@ -89,13 +98,15 @@ static tides_status work(const char *recording, tides_session *session, td_calib
 static tides_status check(const char *recording, const tides_session *session, const tides_calibrate_options *o,
                           tides_error *error) {
     if (!recording || !session) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: recording or session is NULL");
-    if (o->stop_ns <= o->start_ns) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: stop should be after start");
+    if (o->stop_ns <= o->start_ns) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: stop_ns must be above start_ns");
     if (o->given[TIDES_CALIBRATED_ON] == o->given[TIDES_CALIBRATED_ON] ||
         o->given[TIDES_CALIBRATED_OFF] == o->given[TIDES_CALIBRATED_OFF])
-        return td_fail(error, TIDES_BAD_ARGUMENT, "thresholds are what is measured: they can't be given");
-    for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "threshold_on and threshold_off can't be given, because they are measured");
+    tides_calibrated_row row;
+    for (int32_t i = 0; tides_calibrated_at(i, &row); i++)
         if (isinf(o->given[i]) || (i != TIDES_CALIBRATED_OFFSET && o->given[i] < 0))
-            return td_fail(error, TIDES_BAD_ARGUMENT, "a value that is given should be finite and not negative");
+            return td_fail(error, TIDES_BAD_ARGUMENT, "the given %s is %g; it must be finite%s", row.name, o->given[i],
+                           i == TIDES_CALIBRATED_OFFSET ? "" : " and not negative");
     return TIDES_OK;
 }
 

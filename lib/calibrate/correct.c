@@ -46,7 +46,6 @@ static int keep(void *user, const tides_event *events, size_t count) {
 }
 
 static double known(double value) { return value == value && value > 0 ? value : 0; }
-static double pow2(double value) { return value * value; }
 static double hypot2(double x, double y) { return sqrt(x * x + y * y); }
 
 /* The leak of a steady start [1/s]. Pixels at rest in a short recording often give only an upper bound of the leak. A steady
@@ -62,19 +61,18 @@ static int32_t start_of(const td_calibration *c, const tides_calibration *found)
     return c->rounds == TIDES_INITIAL_STEADY && !(steady_leak(found) > 0) ? TIDES_INITIAL_RANDOM : c->rounds;
 }
 
-/* Sets the parameters of a simulation to the values found. If the spread of thresholds isn't known, a relative variance of
- * 0.0075 is used: the mean for sensors with spreads of 0 to 15 %. No threshold is drawn below a tenth of the smaller mean,
- * since it must be above 0. A pole below 1 us is taken as none. */
+/* Sets the parameters of a simulation to the values found. No threshold is drawn below a tenth of the smaller mean, since it
+ * must be above 0. A pole below 1 us is taken as none. */
 static void describe(const td_calibration *c, const tides_calibration *found, tides_baseline_params *p) {
     const tides_calibrated *v = found->values;
-    const double usual = TD_USUAL_VARIANCE * pow2(fmin(c->fit.on, c->fit.off));
+    double doubt;
     tides_baseline_params_defaults(p);
     p->method = TIDES_METHOD_TIDES;
     p->log_eps = fmax(c->fit.front.log_eps, 1e-9);
     p->seed = p->sensor.seed = c->options->seed + (uint64_t)c->rounds;
     p->sensor.threshold_on = c->fit.on;
     p->sensor.threshold_off = c->fit.off;
-    p->sensor.threshold_sigma = sqrt(c->spread.known ? fmax(c->spread.value, 0) : usual);
+    p->sensor.threshold_sigma = sqrt(td_spread_used(c, &doubt)) * fmin(c->fit.on, c->fit.off);
     p->sensor.threshold_min = 0.1 * fmin(c->fit.on, c->fit.off);
     p->sensor.initial = start_of(c, found);
     p->sensor.refractory_s = c->fit.front.refractory_s;
@@ -120,7 +118,9 @@ static tides_status sort_out(simulated *s, tides_error *error) {
     if (status != TIDES_OK || !s->taken.burst) return TIDES_NO_MEMORY;
     memcpy(s->taken.burst, s->c->taken.burst, s->taken.bins);
     td_bursts_mark(&s->taken);
-    return td_pairs_make(&s->taken, &s->c->light, &s->pairs, error);
+    status = td_pairs_make(&s->taken, &s->c->light, &s->pairs, error);
+    s->pairs.clip = s->c->pairs.clip; /* by which the recording is judged */
+    return status;
 }
 
 /* -- event rates of the light's pixels, in the recording and in the simulation --------------------------------------------- */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FEW_FRAMES = 6 };
+enum { FEW_FRAMES = 5 /* of which three stay where every other one is left out */ };
 
 /* The values of a fit, in the order of TIDES_CALIBRATED_*. Values that other parts measure aren't set. */
 static void values_of(const td_fit *fit, double value[TIDES_CALIBRATED_VALUES]) {
@@ -54,61 +54,73 @@ static void halves(td_calibration *c, const td_fit *whole, tides_calibration *fo
     }
 }
 
-/* Pixels with low thresholds fire more often, so that a median over events is low by the relative variance of thresholds. The
- * unknown part of that variance is an error of the thresholds. */
-static double spread_doubt(const td_calibration *c) {
-    const double mean = 0.5 * (c->raw.on + c->raw.off);
-    return c->spread.known ? c->spread.error / (mean * mean) : TD_USUAL_VARIANCE;
-}
-
 static void add_error(tides_calibrated *v, double more) {
     if (more == more) v->error = sqrt(v->error * v->error + more * more);
 }
 
-/* Simulations that the bias was taken from scatter as the recording does. */
+/* Simulations that the bias was taken from scatter as the recording does. Pixels with low thresholds fire more often, so that a
+ * median over events is low by the relative variance of thresholds: its doubt is an error of the thresholds. */
 static tides_status scatter(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
     double one[TIDES_CALIBRATED_VALUES];
     const double times = sqrt(1 + (c->rounds ? 1.0 / c->rounds : 0));
     tides_status status = td_scatter(c, whole, one, &found->correlation, error);
     for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES && status == TIDES_OK; i++)
         if (is_fitted(i)) found->values[i].error = times * one[i];
-    add_error(&found->values[TIDES_CALIBRATED_ON], whole->on * spread_doubt(c));
-    add_error(&found->values[TIDES_CALIBRATED_OFF], whole->off * spread_doubt(c));
+    double doubt;
+    td_spread_used(c, &doubt);
+    add_error(&found->values[TIDES_CALIBRATED_ON], whole->on * doubt);
+    add_error(&found->values[TIDES_CALIBRATED_OFF], whole->off * doubt);
     return status;
 }
 
 /* -- light between frames -------------------------------------------------------------------------------------------------- */
 
-static tides_status thin(const td_light *light, td_light *half, tides_error *error) {
-    *half = (td_light){.count = light->count, .samples = (light->samples + 1) / 2, .pixel = light->pixel};
-    half->time = td_alloc(half->samples, sizeof *half->time, error);
-    half->Y = td_alloc(half->count * half->samples, sizeof *half->Y, error);
-    half->line = td_alloc(half->samples, sizeof *half->line, error);
-    half->decay = td_alloc(half->samples, sizeof *half->decay, error);
-    if (!half->time || !half->Y || !half->line || !half->decay) return TIDES_NO_MEMORY;
-    for (size_t k = 0; k < half->samples; k++) half->time[k] = light->time[2 * k];
-    for (size_t i = 0; i < half->count; i++)
-        for (size_t k = 0; k < half->samples; k++) half->Y[i * half->samples + k] = light->Y[i * light->samples + 2 * k];
-    return TIDES_OK;
-}
-
-/* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured once
- * more, by every other frame: what that changes counts as an error. */
-static tides_status by_fewer_frames(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
-    td_light half;
+/* The values by another light that the same frames allow: what it changes counts as an error. */
+static tides_status by_other_light(td_calibration *c, const td_fit *whole, int32_t every, int32_t how, tides_calibration *found,
+                                   tides_error *error) {
+    td_light other;
     td_fit fit = *whole;
     double now[TIDES_CALIBRATED_VALUES], then[TIDES_CALIBRATED_VALUES];
-    if (!c->facts.frames || c->light.samples < FEW_FRAMES) return TIDES_OK;
-    const tides_status status = thin(&c->light, &half, error);
+    const tides_status status = td_light_between(&c->light, every, how, &other, error);
+    const double clip = c->pairs.clip, scattered = c->scattered;
     if (status == TIDES_OK) {
-        td_refine(&half, &c->pairs, &fit, c->free, c->longest_refractory_s, NULL);
+        for (int32_t i = 0; i < 2; i++) td_come_closer(c, &other, &fit);
+        td_changes(&other, &c->pairs, &fit.front, NULL);
+        const td_variance spread = td_spread_of(&other, &c->pairs, &fit, &c->taken);
         values_of(whole, now);
         values_of(&fit, then);
+        now[TIDES_CALIBRATED_SIGMA] = found->values[TIDES_CALIBRATED_SIGMA].raw;
+        if (spread.known) then[TIDES_CALIBRATED_SIGMA] = sqrt(fmax(spread.value, 0));
         for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++) add_error(&found->values[i], then[i] - now[i]);
     }
-    half.pixel = NULL;
-    td_light_free(&half);
+    c->pairs.clip = clip;
+    c->scattered = scattered;
+    other.pixel = NULL;
+    td_light_free(&other);
     return status;
+}
+
+/* The step between the two darkest code values of the frames; 0 where there is one value alone. */
+static double dark_step(const td_light *light) {
+    float least = INFINITY, next = INFINITY;
+    for (size_t i = 0; i < light->count * light->samples; i++)
+        if (i % light->samples % (size_t)light->finer == 0) least = fminf(least, light->Y[i]);
+    for (size_t i = 0; i < light->count * light->samples; i++)
+        if (i % light->samples % (size_t)light->finer == 0 && light->Y[i] > least) next = fminf(next, light->Y[i]);
+    return isfinite(next) ? (double)next - (double)least : 0;
+}
+
+/* Wrong light between two frames is wrong for all pixels alike, and no halves of them tell. So the values are measured three
+ * times more: with straight lines between the frames, with every other frame left out, and blurred, since exposures blur
+ * edges, and a frame that is left out has the others' exposure. Dark light is known to half a code value, and what it is off
+ * by goes to the black level. */
+static tides_status between_frames(td_calibration *c, const td_fit *whole, tides_calibration *found, tides_error *error) {
+    const size_t frames = (c->light.samples - 1) / (size_t)c->light.finer + 1;
+    if (!c->facts.frames) return TIDES_OK;
+    add_error(&found->values[TIDES_CALIBRATED_EPS], 0.5 * dark_step(&c->light));
+    tides_status status = by_other_light(c, whole, 1, TD_LINES, found, error);
+    if (status == TIDES_OK) status = by_other_light(c, whole, 1, TD_BLURRED, found, error);
+    return status == TIDES_OK && frames >= FEW_FRAMES ? by_other_light(c, whole, 2, TD_CUBICS, found, error) : status;
 }
 
 /* The deviation as one parameter varies and the others stay. */
@@ -134,7 +146,7 @@ tides_status td_doubt(td_calibration *c, tides_calibration *found, tides_error *
     tides_status status = td_calibrate_told(c, 0.85, "error bars", error);
     if (status == TIDES_OK) status = scatter(c, &whole, found, error);
     if (status == TIDES_OK) status = td_calibrate_told(c, 0.9, "error bars", error);
-    if (status == TIDES_OK) status = by_fewer_frames(c, &whole, found, error);
+    if (status == TIDES_OK) status = between_frames(c, &whole, found, error);
     if (status == TIDES_OK) scan(c, &whole, found);
     return status;
 }

@@ -7,16 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PARAMETERS = 4, POINTS = PARAMETERS + 1, STEPS = 80, STEPS_OF_PART = 30 };
-#define CLIP 1.5
+enum { PARAMETERS = 4, POINTS = PARAMETERS + 1, STEPS = 80, STEPS_OF_PART = 30, CLOSER = 2 };
+#define NORMAL 1.4826   /* a normal distribution's standard deviation over its median of |d| */
+#define FAR 3.0         /* standard deviations */
+#define LEAST_CLIP 0.1  /* twice what 0.004 log units, by which light leaves straight lines, are of a threshold of 0.08 */
 #define EPS_SHIFT 0.004 /* black levels o are varied as ln(o + this): smaller ones are alike */
 #define POLE_SHIFT 1e-3 /* [s] poles likewise */
 #define FAR_S 0.06      /* [s] greatest offset tried */
 #define FEW 20          /* pairs: with fewer there is no median */
 #define CLOSE 2e-4      /* of the misfit: the simplex ends when its corners differ by less */
 #define CLOSE_OF_PART 1e-3
-#define OFFSET_GAIN 1.05 /* factor by which an offset must improve the misfit, */
-#define LAW_GAIN 0.98    /* and a pole that goes with light */
+#define OFFSET_GAIN 1.1 /* factor by which an offset must improve the misfit: 14 % of mismatch alone gave 1.07; */
+#define LAW_GAIN 0.98   /* and a pole that goes with light */
 
 /* -- how well changes agree ------------------------------------------------------------------------------------------------ */
 
@@ -43,12 +45,25 @@ static double select_rank(double *x, size_t count, size_t rank) {
     return x[rank];
 }
 
-/* The median of a polarity's changes (of an even number the upper one); NaN for few changes. */
-static double median(const td_pairs *pairs, int8_t polarity) {
+/* The median of a polarity's changes (of an even number the upper one) that are less than `clip` from `about`, relatively;
+ * NaN for few changes. */
+static double median(const td_pairs *pairs, int8_t polarity, double about, double clip) {
     size_t count = 0;
-    for (size_t i = 0; i < pairs->count; i++)
-        if (pairs->list[i].after == polarity && isfinite(pairs->change[i])) pairs->room[count++] = pairs->change[i];
+    for (size_t i = 0; i < pairs->count; i++) {
+        const double change = pairs->change[i];
+        if (pairs->list[i].after != polarity || !isfinite(change)) continue;
+        if (clip >= TD_CLIP || fabs(change - about) < clip * about) pairs->room[count++] = change;
+    }
     return count < FEW ? NAN : select_rank(pairs->room, count, count / 2);
+}
+
+/* A close fit's median is that of the changes within its clip. Pairs that noise ends are nearly all too small, and would
+ * draw the median of all down. */
+static double middle(const td_pairs *pairs, int8_t polarity) {
+    const double all = median(pairs, polarity, 0, TD_CLIP);
+    if (pairs->clip >= TD_CLIP || !(all > 0)) return all;
+    const double within = median(pairs, polarity, all, pairs->clip);
+    return within == within ? within : all;
 }
 
 double td_usual(const td_fit *fit, int8_t polarity) { return polarity > 0 ? fit->on : fit->off; }
@@ -59,22 +74,33 @@ double td_usual(const td_fit *fit, int8_t polarity) { return polarity > 0 ? fit-
 void td_judge(td_pairs *pairs, td_fit *fit) {
     size_t count = 0, agree = 0, lost = 0;
     double sum = 0, squares = 0;
-    fit->on = median(pairs, 1);
-    fit->off = median(pairs, -1);
+    fit->on = middle(pairs, 1);
+    fit->off = middle(pairs, -1);
     for (size_t i = 0; i < pairs->count; i++) {
         const double change = pairs->change[i], usual = td_usual(fit, pairs->list[i].after);
         if (isinf(change)) lost++;
         if (!isfinite(change) || !(usual == usual)) continue;
-        const double d = usual > 0 ? fmin(CLIP, fabs(change / usual - 1)) : CLIP;
+        const double d = usual > 0 ? fabs(change / usual - 1) : TD_CLIP, clipped = fmin(pairs->clip, d);
         count++;
         agree += change > 0;
-        sum += d;
-        squares += d * d;
+        sum += fmin(TD_CLIP, d);
+        squares += clipped * clipped;
     }
     fit->pairs = count;
     fit->agreement = count ? (double)agree / (double)count : 0;
-    fit->deviation = count >= FEW ? sum / (double)count : CLIP;
-    fit->misfit = count >= FEW ? (squares + CLIP * CLIP * (double)lost) / (double)(count + lost) : CLIP * CLIP;
+    fit->deviation = count >= FEW ? sum / (double)count : TD_CLIP;
+    fit->misfit = count >= FEW ? (squares + pairs->clip * pairs->clip * (double)lost) / (double)(count + lost)
+                               : pairs->clip * pairs->clip;
+}
+
+/* The standard deviation of changes [medians], by their middle half. */
+static double scattered(td_pairs *pairs, const td_fit *fit) {
+    size_t count = 0;
+    for (size_t i = 0; i < pairs->count; i++) {
+        const double usual = td_usual(fit, pairs->list[i].after);
+        if (isfinite(pairs->change[i]) && usual > 0) pairs->room[count++] = fabs(pairs->change[i] / usual - 1);
+    }
+    return count < FEW ? TD_CLIP : NORMAL * select_rank(pairs->room, count, count / 2);
 }
 
 double td_try(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part, td_fit *fit) {
@@ -271,6 +297,13 @@ static void settle_law(td_calibration *c, td_fit *best) {
     if (with_light.misfit < LAW_GAIN * best->misfit) *best = with_light;
 }
 
+void td_come_closer(td_calibration *c, td_light *light, td_fit *fit) {
+    td_try(light, &c->pairs, &fit->front, NULL, fit);
+    c->scattered = scattered(&c->pairs, fit);
+    c->pairs.clip = fmin(TD_CLIP, fmax(LEAST_CLIP, FAR * c->scattered));
+    td_refine(light, &c->pairs, fit, c->free, c->longest_refractory_s, NULL);
+}
+
 tides_status td_search(td_calibration *c, tides_error *error) {
     td_fit best = {.front = given_front(c), .misfit = INFINITY};
     if (!(c->free & TD_FREE_REFRACTORY)) c->longest_refractory_s = best.front.refractory_s;
@@ -287,6 +320,7 @@ tides_status td_search(td_calibration *c, tides_error *error) {
     status = td_calibrate_told(c, 0.6, "fitting", error);
     if (status != TIDES_OK) return status;
     td_refine(&c->light, &c->pairs, &best, c->free, c->longest_refractory_s, NULL);
+    for (int32_t i = 0; i < CLOSER; i++) td_come_closer(c, &c->light, &best);
     c->fit = best;
     return td_calibrate_told(c, 0.65, "fitting", error);
 }

@@ -189,6 +189,7 @@ static tides_status room(td_calibration *c, tides_error *error) {
 static tides_status turn(rows *r, tides_error *error) {
     td_light *light = &r->c->light;
     light->samples = r->count;
+    light->finer = 1;
     light->time = r->time;
     r->time = NULL;
     light->Y = td_alloc(light->count * light->samples, sizeof *light->Y, error);
@@ -201,6 +202,20 @@ static tides_status turn(rows *r, tides_error *error) {
         r->row[k] = NULL;
     }
     return TIDES_OK;
+}
+
+/* Light from frames gets its cubics. */
+static tides_status bend(td_calibration *c, tides_error *error) {
+    td_light fine, *light = &c->light;
+    if (!c->facts.frames) return TIDES_OK;
+    const tides_status status = td_light_between(light, 1, TD_CUBICS, &fine, error);
+    fine.lowest = light->lowest;
+    fine.highest = light->highest;
+    light->pixel = NULL;
+    light->lowest = light->highest = NULL;
+    td_light_free(light);
+    *light = fine;
+    return status;
 }
 
 tides_status td_light_sample(td_calibration *c, tides_session *session, tides_error *error) {
@@ -224,6 +239,7 @@ tides_status td_light_sample(td_calibration *c, tides_session *session, tides_er
     if (status == TIDES_OK && r.count < 2)
         status = td_fail(error, TIDES_BAD_ARGUMENT, "light is known at fewer than two times of the recording");
     if (status == TIDES_OK) status = turn(&r, error);
+    if (status == TIDES_OK) status = bend(c, error);
     tides_renderer_destroy(r.renderer);
     for (size_t k = 0; k < r.count; k++) free(r.row[k]);
     free(r.row);

@@ -29,6 +29,7 @@ tides_status td_pairs_make(const td_taken *taken, const td_light *light, td_pair
     pairs->change = td_alloc(count, sizeof *pairs->change, error);
     pairs->room = td_alloc(count, sizeof *pairs->room, error);
     if (!pairs->list || !pairs->change || !pairs->room) return TIDES_NO_MEMORY;
+    pairs->clip = TD_CLIP;
     for (size_t i = 0; i < light->count; i++)
         pairs->count += of_pixel(taken, light->pixel[i], (uint32_t)i, pairs->list + pairs->count);
     return TIDES_OK;

@@ -2,8 +2,9 @@
  * together, as wrong light makes them.
  *
  * With r = change / median - 1 and its slopes J over the front end's values, the fit is where sum J r = 0. To first order a
- * tile moves the values by -A^-1 (its sum of J r), A = sum J J^T. It moves a median by this through the median's own slopes,
- * and by its surplus of changes above the median, over twice their density there. */
+ * tile moves the values by -A^-1 (its sum of J r), A = sum J J^T. All tiles together move nothing, unless a value is held at
+ * 0: that it would go below, and takes others with it, is an error of at least as much. A tile moves a median by this
+ * through the median's own slopes, and by its surplus of changes above the median, over twice their density there. */
 #include "td_calibrate.h"
 
 #include "td_math.h"
@@ -14,7 +15,6 @@
 #include <string.h>
 
 enum { AXES = 4, TILE = 8 /* px */ };
-#define CLIP 1.5   /* of fit.c */
 #define CENTRE 0.4 /* share of the changes next to the median that its density is taken from */
 
 /* The value of each axis, the step of its differences (a share of the value and this), and the widest range of a sensor's. A
@@ -66,7 +66,7 @@ static void slopes(influence *w, int32_t k, double *other) {
     const td_fit above = deviations(w, &high, w->slope[k]), below = deviations(w, &low, other);
     for (size_t i = 0; i < w->c->pairs.count; i++) {
         const double slope = (w->slope[k][i] - other[i]) / width;
-        w->slope[k][i] = isfinite(slope) && fabs(w->r[i]) < CLIP ? slope : 0;
+        w->slope[k][i] = isfinite(slope) && fabs(w->r[i]) < w->c->pairs.clip ? slope : 0;
     }
     w->median_slope[0][k] = (above.on - below.on) / width;
     w->median_slope[1][k] = (above.off - below.off) / width;
@@ -102,7 +102,7 @@ static void invert(double a[AXES][AXES], double inverse[AXES][AXES]) {
 static void information(influence *w) {
     double a[AXES][AXES] = {{0}}, squares = 0, count = 0;
     for (size_t i = 0; i < w->c->pairs.count; i++) {
-        if (!(fabs(w->r[i]) < CLIP)) continue;
+        if (!(fabs(w->r[i]) < w->c->pairs.clip)) continue;
         squares += w->r[i] * w->r[i];
         count++;
         for (int32_t p = 0; p < AXES; p++)
@@ -146,8 +146,13 @@ static void add_tile(const influence *w, const double sum[AXES + 2], double squa
 
 static void add_all(influence *w, double error[TIDES_CALIBRATED_VALUES], double *correlation) {
     double squares[TIDES_CALIBRATED_VALUES] = {0}, cross = 0;
+    double all[AXES + 2] = {0};
     gather(w);
-    for (size_t t = 0; t < w->tiles; t++) add_tile(w, w->sum[t], squares, &cross);
+    for (size_t t = 0; t < w->tiles; t++) {
+        add_tile(w, w->sum[t], squares, &cross);
+        for (int32_t k = 0; k < AXES; k++) all[k] += w->sum[t][k];
+    }
+    add_tile(w, all, squares, &cross);
     for (int32_t k = 0; k < AXES; k++) {
         double range[AXES + 2] = {0};
         range[k] = w->prior[k] * axes[k].range;

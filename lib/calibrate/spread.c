@@ -96,6 +96,18 @@ void td_spread_set(const td_calibration *c, tides_calibrated *v) {
     v->state = c->spread.value < 3 * error ? TIDES_CALIBRATED_BOUND : TIDES_CALIBRATED_MEASURED;
 }
 
+/* Where the spread isn't known, all of the changes' scatter is taken for it, and half of that as its doubt: with a scene's
+ * light little else scatters them. Frames' light scatters them more than any spread, and says nothing: then it is the usual
+ * one. */
+double td_spread_used(const td_calibration *c, double *doubt) {
+    const double mean = 0.5 * (c->raw.on + c->raw.off), least = fmin(c->raw.on, c->raw.off), all = c->scattered * c->scattered;
+    *doubt = c->spread.error / (mean * mean);
+    if (c->spread.known) return fmax(c->spread.value, 0) / (least * least);
+    const double used = fmin(all, c->facts.frames ? TD_USUAL_VARIANCE : TD_LARGEST_VARIANCE);
+    *doubt = c->facts.frames ? used : 0.5 * used;
+    return used;
+}
+
 /* -- over the image -------------------------------------------------------------------------------------------------------- */
 
 static tides_status map(const td_calibration *c, tides_calibration *found, tides_error *error) {

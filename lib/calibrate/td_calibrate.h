@@ -28,6 +28,7 @@ typedef struct td_taken {
 /* Light of chosen pixels; ln(Y + o) is taken to be straight between samples. */
 typedef struct td_light {
     size_t count, samples;   /* pixels, times */
+    int32_t finer;           /* samples from one frame to the next; 1: of a scene */
     uint32_t *pixel;         /* (count) y * width + x, ascending */
     double *time;            /* (samples) */
     float *Y;                /* (count x samples) */
@@ -47,6 +48,7 @@ typedef struct td_pairs {
     td_pair *list; /* by pixel, then time */
     size_t count;
     double *change, *room; /* (count) changes of the logarithm over the pairs; work space for sorting */
+    double clip;           /* greatest relative deviation that counts as itself: TD_CLIP, or td_clip_of */
 } td_pairs;
 
 /* The front end between light and comparator. */
@@ -62,8 +64,8 @@ typedef struct td_front {
 typedef struct td_fit {
     td_front front;
     double on, off;   /* medians of changes [log units] */
-    double misfit;    /* mean of d^2, d = |change / median - 1|, at most 1.5: this is minimised */
-    double deviation; /* mean of d */
+    double misfit;    /* mean of d^2, d = |change / median - 1|, at most the pairs' clip: this is minimised */
+    double deviation; /* mean of d, at most TD_CLIP */
     double agreement; /* share of changes that have their event's sign */
     size_t pairs;     /* number of pairs with known light */
 } td_fit;
@@ -89,8 +91,9 @@ typedef struct td_variance {
 typedef struct td_starts {
     double below, above;
 } td_starts;
-/* Relative variance where it isn't known: spreads of 0 to 15 % have this in the mean, and nearly this as their own spread. */
+/* Relative variance of spreads of 0 to 15 % in the mean, which have nearly this as their own spread; and of the largest. */
 #define TD_USUAL_VARIANCE 0.0075
+#define TD_LARGEST_VARIANCE 0.0225
 
 /* Work in progress. */
 typedef struct td_calibration {
@@ -105,9 +108,10 @@ typedef struct td_calibration {
     td_fit fit;
     td_fit raw; /* before correction for the method's bias */
     td_variance spread;
-    int32_t rounds;  /* simulations from which the bias was taken */
-    double offset_s; /* best offset, also where it isn't taken */
-    int32_t free;    /* TD_FREE_* */
+    double scattered; /* standard deviation of the fit's changes [medians] */
+    int32_t rounds;   /* simulations from which the bias was taken */
+    double offset_s;  /* best offset, also where it isn't taken */
+    int32_t free;     /* TD_FREE_* */
 } td_calibration;
 
 /* recording.c: reads the stretch. The caller frees *c's arrays, also after a failure. */
@@ -126,6 +130,10 @@ static inline size_t td_bin(const td_taken *taken, int64_t t) {
 tides_status td_light_sample(td_calibration *c, tides_session *session, tides_error *error);
 #define TD_SETTLE_S 0.06 /* [s] light needed before and after the stretch */
 void td_light_free(td_light *light);
+/* between.c: light of every `every`-th frame of `light`, by cubics between them, straight lines, or cubics that are blurred
+ * as by a longer exposure. It has the pixels of `light`, which stay that one's. */
+enum { TD_CUBICS, TD_LINES, TD_BLURRED };
+tides_status td_light_between(const td_light *light, int32_t every, int32_t how, td_light *out, tides_error *error);
 void td_light_span(const tides_session_facts *facts, double *start, double *stop);
 
 /* pairs.c: makes the pairs of the events of the light's pixels. */
@@ -136,6 +144,12 @@ double td_shortest_interval(const td_pairs *pairs);
 /* changes.c: fills pairs->change: NaN for pairs of another part, INFINITY where light isn't known. */
 void td_changes(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part);
 /* fit.c */
+#define TD_CLIP 1.5 /* of a search without a starting point */
+/* Fits again with a clip of three standard deviations, which become c->scattered. A search needs a wide clip, by which pairs
+ * that are far off lead it. In the end such pairs are noise: the pair of a noise event ends anywhere between the thresholds,
+ * with d near 1 in the mean, and a wide clip lets these pull the front end to where they agree. One sensor's thresholds were
+ * 8 % low. */
+void td_come_closer(td_calibration *c, td_light *light, td_fit *fit);
 void td_judge(td_pairs *pairs, td_fit *fit);
 double td_usual(const td_fit *fit, int8_t polarity); /* the median of this polarity */
 double td_try(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part, td_fit *fit);
@@ -155,6 +169,8 @@ td_variance td_spread_of(const td_light *light, const td_pairs *pairs, const td_
 /* The middle of a stretch [s after its start]. */
 static inline double td_half_s(const td_taken *taken) { return 0.5e-9 * (double)(taken->stop_ns - taken->start_ns); }
 void td_spread_set(const td_calibration *c, tides_calibrated *value);
+/* The relative variance of thresholds to simulate with, and its doubt. */
+double td_spread_used(const td_calibration *c, double *doubt);
 /* first.c: where the pixels' references stood when the stretch of `taken` began, by the front end of `fit`. Starts of events
  * that aren't the recording's are scattered as its changes are. */
 tides_status td_first(td_calibration *c, const td_taken *taken, const td_fit *fit, td_starts *starts, tides_error *error);

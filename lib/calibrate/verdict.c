@@ -108,8 +108,9 @@ static tides_status why_unlike(td_calibration *c, const activity *a, char **note
 
 /* Notes changes that have the events' signs but are too large or too small. */
 static tides_status too_coarse(const td_calibration *c, tides_calibration *found, tides_error *error) {
-    const double every =
-        c->light.samples > 1 ? (c->light.time[c->light.samples - 1] - c->light.time[0]) / (double)(c->light.samples - 1) : 0;
+    const double every = c->light.samples > 1 ? (c->light.time[c->light.samples - 1] - c->light.time[0]) * c->light.finer /
+                                                    (double)(c->light.samples - 1)
+                                              : 0;
     found->refused = 1;
     if (c->facts.frames)
         return td_note(&found->notes, error,

@@ -1,15 +1,19 @@
-/* COLMAP's cameras, as text: lines of `ID MODEL WIDTH HEIGHT PARAMETERS`, '#' starts a comment; or binary, little-endian:
- * uint64 count, then {uint32 id, int32 model, uint64 width, uint64 height, double parameters} each.
+/* Reads COLMAP's cameras. Text: one line per camera, `ID MODEL WIDTH HEIGHT PARAMETERS`; '#' begins a comment. Binary,
+ * little-endian: uint64 count, then for each camera {uint32 id, int32 model, uint64 width, uint64 height, double parameters[]}.
+ * A model's number is its index in `models`, which has the number of its parameters.
  *
- * A model's parameters begin with f, cx, cy or fx, fy, cx, cy; the rest are coefficients of radtan or equidistant distortion.
- * Models with further coefficients that aren't 0 (FULL_OPENCV, FOV, THIN_PRISM_FISHEYE) set tides_path.distorted. Their
- * intrinsics become those of the pinhole that agrees with the lens at its axis.
+ * Parameters begin with f, cx, cy or fx, fy, cx, cy. The rest are coefficients of distortion, which is radtan or equidistant
+ * for most models. FULL_OPENCV, FOV and THIN_PRISM_FISHEYE have other coefficients, too. If one of those isn't 0, the camera
+ * gets no lens, and td_colmap_camera.distorted is 1. Its intrinsics are then of the pinhole that agrees with the lens at its
+ * axis.
+ *
  * Pixel centres are at 0.5 in COLMAP as in TIDES. */
 #include "camera/td_colmap.h"
 
 #include "camera/td_path_reader.h"
 #include "td_base.h"
 #include "td_folder.h"
+#include "td_math.h"
 #include "td_text.h"
 
 #include <math.h>
@@ -17,8 +21,10 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MODELS = 11, PARAMETERS_MAX = 12, BINARY_CAMERA = 24 }; /* BINARY_CAMERA: bytes before its parameters */
+enum { MODELS = 11, PARAMETERS_MAX = 12, FOV = 7 }; /* FOV: its index in `models` */
+#define PI 3.14159265358979323846
 
+/* COLMAP's models, in the order of their numbers. */
 static const struct {
     const char *name;
     int parameters, focals;
@@ -34,15 +40,16 @@ static const struct {
                     {"RADIAL_FISHEYE", 5, 1},
                     {"THIN_PRISM_FISHEYE", 12, 2}};
 
-/* 1 for a fisheye, which isn't a pinhole even if all coefficients are 0. */
+/* 1 for a fisheye. A fisheye isn't a pinhole even if all coefficients are 0. */
 static int is_fisheye(int model) { return strstr(models[model].name, "FISHEYE") != NULL; }
 
-/* Index of each lens coefficient (k1 k2 p1 p2 k3, or k1 to k4) among the parameters behind the principal point; -1: none. */
+/* For each model, the indices of the lens coefficients k1 k2 p1 p2 k3 (fisheyes: k1 to k4) among the parameters behind the
+ * principal point; -1: none. */
 static const int places[MODELS][5] = {{-1, -1, -1, -1, -1}, {-1, -1, -1, -1, -1}, {0, -1, -1, -1, -1}, {0, 1, -1, -1, -1},
                                       {0, 1, 2, 3, -1},     {0, 1, 2, 3, -1},     {0, 1, 2, 3, 4},     {-1, -1, -1, -1, -1},
                                       {0, -1, -1, -1, -1},  {0, 1, -1, -1, -1},   {0, 1, 4, 5, -1}};
 
-/* The lens of a model; returns 0 if it has coefficients that no lens of TIDES has. */
+/* Sets `lens` from a camera's parameters. If a coefficient that no lens of TIDES has isn't 0, it sets none and returns 0. */
 static int lens_of(int model, const double *parameters, tides_lens *lens) {
     const int first = 2 + models[model].focals, rest = models[model].parameters - first;
     double k[5] = {0};
@@ -58,6 +65,15 @@ static int lens_of(int model, const double *parameters, tides_lens *lens) {
     return whole;
 }
 
+/* Magnification of a lens at its axis, over that of a pinhole with the file's focal lengths. FOV images a ray with
+ * |(x, y)| / z = r at the radius atan(2 r tan(omega / 2)) / omega (Devernay and Faugeras 2001). For the other models it is 1:
+ * their radii are r and terms of higher order. */
+static double axis_scale(int model, const double *parameters) {
+    const double omega = parameters[4];
+    if (model != FOV || fabs(omega) < 1e-8) return 1; /* the next term, omega^2 / 12, is below rounding */
+    return 2 * td_tan(0.5 * omega) / omega;
+}
+
 int td_colmap_is_named(const char *file, const char *name) { return strcmp(td_base_name(file), name) == 0; }
 
 /* One camera of the file. */
@@ -67,23 +83,36 @@ typedef struct entry {
     double width, height, parameters[PARAMETERS_MAX];
 } entry;
 
+static tides_status check_entry(const char *file, const entry *e, tides_error *error) {
+    const double *p = e->parameters;
+    const unsigned long id = e->id;
+    if (!(e->width >= 1 && e->width <= INT32_MAX && e->height >= 1 && e->height <= INT32_MAX))
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: camera %lu: %g x %g pixels; width and height must be whole numbers from 1 to 2147483647", file, id,
+                       e->width, e->height);
+    for (int k = 0; k < models[e->model].parameters; k++)
+        if (!isfinite(p[k]) || (k < models[e->model].focals && !(p[k] > 0)))
+            return td_fail(error, TIDES_BAD_FILE, "%s: camera %lu: parameter %d of its model %s is %g; it must be finite%s",
+                           file, id, k + 1, models[e->model].name, p[k], k < models[e->model].focals ? " and above 0" : "");
+    if (e->model == FOV && !(fabs(p[4]) < PI))
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: camera %lu: parameter 5 of its model FOV is %g; it is an angle in radians between -pi and pi", file,
+                       id, p[4]);
+    return TIDES_OK;
+}
+
 static tides_status add_entry(const char *file, const entry *e, td_colmap_cameras *cameras, tides_error *error) {
     const double *p = e->parameters;
     int two = models[e->model].focals == 2;
-    if (!(e->width >= 1 && e->width <= INT32_MAX && e->height >= 1 && e->height <= INT32_MAX))
-        return td_fail(error, TIDES_BAD_FILE, "%s: camera %lu: its size, %g x %g, must be whole numbers of pixels from 1 on",
-                       file, (unsigned long)e->id, e->width, e->height);
-    for (int k = 0; k < models[e->model].parameters; k++)
-        if (!isfinite(p[k]) || (k < models[e->model].focals && !(p[k] > 0)))
-            return td_fail(error, TIDES_BAD_FILE, "%s: camera %lu: parameter %d of its %s is %g: must be finite%s", file,
-                           (unsigned long)e->id, k + 1, models[e->model].name, p[k],
-                           k < models[e->model].focals ? " and above 0" : "");
+    tides_status status = check_entry(file, e, error);
+    if (status) return status;
     if (td_colmap_find(cameras, e->id))
-        return td_fail(error, TIDES_BAD_FILE, "%s: camera %lu is there twice", file, (unsigned long)e->id);
+        return td_fail(error, TIDES_BAD_FILE, "%s: two cameras have the id %lu", file, (unsigned long)e->id);
     void *list = cameras->list;
     if (td_reserve(&list, &cameras->capacity, cameras->count + 1, sizeof *cameras->list, error)) return TIDES_NO_MEMORY;
     cameras->list = list;
-    tides_intrinsics read = {(int32_t)e->width, (int32_t)e->height, p[0], p[two], p[1 + two], p[2 + two], {0}};
+    const double scale = axis_scale(e->model, p);
+    tides_intrinsics read = {(int32_t)e->width, (int32_t)e->height, scale * p[0], scale * p[two], p[1 + two], p[2 + two], {0}};
     const int distorted = !lens_of(e->model, p, &read.lens);
     cameras->list[cameras->count++] = (td_colmap_camera){e->id, distorted, read};
     return TIDES_OK;
@@ -98,8 +127,10 @@ static tides_status parse_line(const char *file, size_t line, const char *c, td_
     for (int k = 0; k < 3; k++) {
         const char *after = td_text_number(c, numbers[k]);
         if (after == c || *numbers[k] != floor(*numbers[k]) || !(id >= 0 && id <= UINT32_MAX))
-            return td_fail(error, TIDES_BAD_FILE, "%s:%zu: must be ID MODEL WIDTH HEIGHT and the model's parameters", file,
-                           line);
+            return td_fail(error, TIDES_BAD_FILE,
+                           "%s:%zu: a camera is ID MODEL WIDTH HEIGHT and the model's parameters, with whole numbers as ID (0 "
+                           "to 4294967295), WIDTH and HEIGHT",
+                           file, line);
         c = td_text_skip(after);
         if (k > 0) continue;
         size_t length = strcspn(c, " \t\r\n");
@@ -108,8 +139,9 @@ static tides_status parse_line(const char *file, size_t line, const char *c, td_
         while (e.model < MODELS && (strlen(models[e.model].name) != length || strncmp(models[e.model].name, c, length) != 0))
             e.model++;
         if (e.model == MODELS)
-            return td_fail(error, TIDES_UNSUPPORTED, "%s:%zu: unknown camera model \"%s\"", file, line,
-                           td_path_quote(c, length, word));
+            return td_fail(error, TIDES_UNSUPPORTED,
+                           "%s:%zu: unknown camera model \"%s\"; TIDES reads COLMAP's models %s to %s", file, line,
+                           td_path_quote(c, length, word), models[0].name, models[MODELS - 1].name);
         c = td_text_skip(c + length);
     }
     int count = 0;
@@ -119,8 +151,8 @@ static tides_status parse_line(const char *file, size_t line, const char *c, td_
     }
     e.id = (uint32_t)id;
     if (count == models[e.model].parameters && td_text_ends(c)) return add_entry(file, &e, cameras, error);
-    return td_fail(error, TIDES_BAD_FILE, "%s:%zu: %s needs %d numbers after the size", file, line, models[e.model].name,
-                   models[e.model].parameters);
+    return td_fail(error, TIDES_BAD_FILE, "%s:%zu: %s needs exactly %d numbers after WIDTH and HEIGHT", file, line,
+                   models[e.model].name, models[e.model].parameters);
 }
 
 static tides_status parse_text(const char *file, const char *c, td_colmap_cameras *cameras, tides_error *error) {
@@ -140,18 +172,21 @@ static tides_status parse_binary(const char *file, const char *data, size_t byte
                                  tides_error *error) {
     td_bytes b = {data, bytes};
     uint64_t count = 0, width, height, id, model;
-    if (!td_bytes_number(&b, 8, &count)) return td_fail(error, TIDES_BAD_FILE, "%s: ends within its count: truncated?", file);
+    if (!td_bytes_number(&b, 8, &count))
+        return td_fail(error, TIDES_BAD_FILE, "%s: ends within the number of cameras: truncated?", file);
     for (uint64_t i = 0; i < count; i++) {
         entry e = {0};
         int whole = td_bytes_number(&b, 4, &id) && td_bytes_number(&b, 4, &model) && td_bytes_number(&b, 8, &width) &&
                     td_bytes_number(&b, 8, &height);
         if (whole && model >= MODELS)
-            return td_fail(error, TIDES_UNSUPPORTED, "%s: camera %llu has the unknown model %lu", file, (unsigned long long)i,
-                           (unsigned long)model);
+            return td_fail(error, TIDES_UNSUPPORTED,
+                           "%s: camera %lu (number %llu of %llu) has the unknown model %ld; TIDES reads models 0 to %d", file,
+                           (unsigned long)id, (unsigned long long)i + 1, (unsigned long long)count, (long)(int32_t)model,
+                           MODELS - 1);
         for (int k = 0; whole && k < models[model].parameters; k++) whole = td_bytes_double(&b, &e.parameters[k]);
         if (!whole)
             return td_fail(error, TIDES_BAD_FILE, "%s: ends within camera %llu of %llu: truncated?", file,
-                           (unsigned long long)i, (unsigned long long)count);
+                           (unsigned long long)i + 1, (unsigned long long)count);
         e.id = (uint32_t)id;
         e.model = (int)model;
         e.width = (double)width;

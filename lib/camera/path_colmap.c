@@ -1,11 +1,11 @@
 /* COLMAP's images.txt and images.bin, which hold the poses, with the intrinsics from cameras.txt or cameras.bin beside them.
  *
- * Text: two lines per image, `ID QW QX QY QZ TX TY TZ CAMERA_ID NAME` and one of points, which is skipped and may be empty.
- * '#' at a line's start is a comment. Binary, little-endian: uint64 count, then {uint32 id, double q[4], double t[3], uint32
- * camera, name ending in 0, uint64 points, 24 bytes for each}. q and t map the world to the camera in OpenCV axes.
+ * Text: two lines per image. The first is `ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`; the second has points, is skipped, and may
+ * be empty. '#' at a line's start begins a comment. Binary, little-endian: uint64 count, then {uint32 id, double q[4], double
+ * t[3], uint32 camera, name ending in 0, uint64 points, 24 bytes for each}. q and t map the world to the camera in OpenCV axes.
  *
  * There are no times. Images are put in the order of their names, with digits as numbers, which for a video's frames is their
- * order in time. They are spread evenly over `duration`. */
+ * order in time. Their times are spread evenly over `duration`. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_colmap.h"
@@ -45,7 +45,8 @@ static tides_status add(images *m, const char *where, size_t place, const double
     made->length = length;
     for (int k = 0; k < NUMBERS; k++)
         if (!isfinite(v[k]))
-            return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: %s: its pose must be finite numbers", m->reader->file, where);
+            return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: %s: the pose has a number that isn't finite", m->reader->file,
+                           where);
     tides_status status = set_pose(m, where, v, &made->pose);
     if (status) return status;
     const td_colmap_camera *camera = v[8] >= 0 && v[8] <= UINT32_MAX ? td_colmap_find(m->cameras, (uint32_t)v[8]) : NULL;
@@ -91,7 +92,7 @@ static tides_status read_binary(images *m) {
     td_bytes b = {m->reader->text, m->reader->bytes};
     uint64_t count = 0, points, whole;
     if (!td_bytes_number(&b, 8, &count))
-        return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: ends within its count: truncated?", m->reader->file);
+        return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: ends within the number of images: truncated?", m->reader->file);
     for (uint64_t i = 0; i < count; i++) {
         double v[NUMBERS];
         char where[40];
@@ -106,7 +107,7 @@ static tides_status read_binary(images *m) {
                points <= b.left / POINT_BYTES && td_bytes_skip(&b, points * POINT_BYTES);
         if (!good)
             return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: ends within image %llu of %llu: truncated?", m->reader->file,
-                           (unsigned long long)i, (unsigned long long)count);
+                           (unsigned long long)i + 1, (unsigned long long)count);
         tides_status status = add(m, where, (size_t)i, v, name, (size_t)(end - name));
         if (status) return status;
     }

@@ -68,8 +68,23 @@ static tides_status parse_place(const td_path_reader *reader, const char *file, 
     return td_json_rotation(&blamed, "T_BS", "rotation", s->rotation, q);
 }
 
+/* Reads the lens. If the model or the number of coefficients is none of TIDES', the path is marked as distorted, unless all
+ * coefficients are 0. */
+static void parse_lens(const char *text, tides_path *path) {
+    enum { COEFFICIENTS_MAX = 12 };
+    double k[COEFFICIENTS_MAX] = {0};
+    int count = COEFFICIENTS_MAX, bends = 0;
+    while (count > 0 && !yaml_list(text, "distortion_coefficients", k, count)) count--;
+    for (int i = 0; i < count; i++) bends |= k[i] < 0 || k[i] > 0;
+    const int equidistant = count == 4 && yaml_says(text, "distortion_model", "equidistant");
+    const int radtan = (count == 4 || count == 5) && yaml_says(text, "distortion_model", "radial-tangential");
+    if (equidistant) path->intrinsics.lens = td_equidistant(k);
+    if (radtan) path->intrinsics.lens = td_radtan(k);
+    path->distorted = bends && !equidistant && !radtan;
+}
+
 static tides_status parse_sensor(td_path_reader *reader, const char *file, const char *text, sensor *s) {
-    double pixels[2], f[4], bent[5] = {0};
+    double pixels[2], f[4];
     tides_intrinsics *out = &reader->path.intrinsics;
     tides_status status = parse_place(reader, file, text, s);
     if (status != TIDES_OK) return status;
@@ -80,16 +95,7 @@ static tides_status parse_sensor(td_path_reader *reader, const char *file, const
         /* The file's pixel centres are at whole numbers, ours at halves. */
         *out = (tides_intrinsics){(int32_t)pixels[0], (int32_t)pixels[1], f[0], f[1], f[2] + 0.5, f[3] + 0.5, {0}};
     }
-    if (yaml_list(text, "distortion_coefficients", bent, 4)) {
-        if (yaml_says(text, "distortion_model", "equidistant"))
-            out->lens = td_equidistant(bent);
-        else
-            out->lens = td_radtan(bent);
-        if (!yaml_says(text, "distortion_model", "equidistant") && !yaml_says(text, "distortion_model", "radial-tangential")) {
-            reader->path.distorted = out->lens.model != TIDES_LENS_NONE;
-            out->lens = (tides_lens){.model = TIDES_LENS_NONE};
-        }
-    }
+    parse_lens(text, &reader->path);
     return TIDES_OK;
 }
 

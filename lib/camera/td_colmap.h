@@ -7,8 +7,8 @@
 
 typedef struct td_colmap_camera {
     uint32_t id;
-    int32_t distorted; /* 1: no lens of TIDES has this distortion; `intrinsics` is the pinhole that agrees at the axis */
-    tides_intrinsics intrinsics;
+    int32_t distorted;           /* 1: no lens of TIDES has this distortion */
+    tides_intrinsics intrinsics; /* if distorted, of the pinhole that agrees with the lens at its axis */
 } td_colmap_camera;
 
 typedef struct td_colmap_cameras {
@@ -20,9 +20,9 @@ typedef struct td_colmap_cameras {
 int td_colmap_is_named(const char *file, const char *name);
 
 /* Reads the cameras in `data`: the contents of a cameras.bin if `binary` is 1, else of a cameras.txt. `data` is `bytes` long,
- * with a NUL behind its last byte. Errors call it `file`. All camera models of COLMAP are read. On success the caller frees
- * cameras->list. TIDES_BAD_FILE: the data are malformed or hold no camera; TIDES_UNSUPPORTED: an unknown model;
- * TIDES_NO_MEMORY. */
+ * with a NUL behind its last byte. Errors call it `file`. Models 0 (SIMPLE_PINHOLE) to 10 (THIN_PRISM_FISHEYE) of COLMAP are
+ * read. On success the caller frees cameras->list. TIDES_BAD_FILE: the data are malformed or hold no camera; TIDES_UNSUPPORTED:
+ * an unknown model; TIDES_NO_MEMORY. */
 tides_status td_colmap_parse_cameras(const char *file, const char *data, size_t bytes, int binary, td_colmap_cameras *cameras,
                                      tides_error *error);
 

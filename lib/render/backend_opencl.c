@@ -102,8 +102,8 @@ static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) 
     td_staging s;
     double *views = td_alloc((size_t)b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
-    td_batch batch = {views,  backdrop, 1, &nothing, 1,    &candidate, 1, TD_SERIAL_OF_NOBODY,
-                      TD_PAD, outputs,  0, NULL,     NULL, NULL};
+    td_batch batch = {views,  backdrop, 1, &nothing, 1,    &candidate, 1,   TD_SERIAL_OF_NOBODY,
+                      TD_PAD, outputs,  0, NULL,     NULL, NULL,       NULL};
     tides_status status = run_stages(b, &batch, &s, seconds, error);
     free(views);
     return status;

@@ -97,6 +97,36 @@ static tides_status describe_cause(tides_renderer *renderer, const tides_traject
     return TIDES_OK;
 }
 
+/* Fewest tiles that are worth a thread of their own. */
+enum { FEWEST_TILES = 64 };
+
+/* Arguments that the pool's threads share. */
+typedef struct checking {
+    const td_tile_batch *batch;
+    const double *planes;
+    int portions;
+    uint8_t *found; /* (portions) 1 if a value of the portion isn't finite */
+} checking;
+
+static void check_some(void *user, int k) {
+    const checking *of = user;
+    const int outputs = of->batch->outputs, end = td_pool_begin(of->batch->count, of->portions, k + 1);
+    of->found[k] = 0;
+    for (int i = td_pool_begin(of->batch->count, of->portions, k); i < end && !of->found[k]; i++)
+        of->found[k] = any_nonfinite_block(of->planes + (size_t)i * (size_t)outputs * TD_TILE_PIXELS, outputs,
+                                           td_request_blocks(&of->batch->requests[i])) != 0;
+}
+
+/* 1 if all values of the batch are finite. */
+static int are_finite(td_pool *pool, const td_tile_batch *batch, const double *planes) {
+    uint8_t found[TD_POOL_PORTIONS];
+    checking of = {batch, planes, td_pool_portions(pool, batch->count, FEWEST_TILES), found};
+    td_pool_run(pool, of.portions, check_some, &of);
+    for (int k = 0; k < of.portions; k++)
+        if (found[k]) return 0;
+    return 1;
+}
+
 tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                       const double *planes, tides_error *error) {
     const td_request *requests = batch->requests;
@@ -105,6 +135,7 @@ tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_traj
     int worst = -1, place[3] = {0}, here[3] = {0};
     uint64_t pixels = 0;
     double value = 0;
+    if (are_finite(renderer->pool, batch, planes)) return TIDES_OK;
     for (int i = 0; i < batch->count; i++) {
         const double *tile = planes + (size_t)i * size;
         const int blocks = td_request_blocks(&requests[i]);

@@ -120,16 +120,39 @@ tides_status td_opencl_fetch_batch(opencl_backend *b, const td_batch *batch, td_
     return status;
 }
 
-/* Copies each block to its place in its tile's planes, as doubles. */
-TD_WIDE static void place_planes(const td_batch *batch, const td_staging *s, double *planes) {
+/* Copies blocks [first, end) to their places in their tiles' planes, as doubles. */
+TD_WIDE static void place_blocks(const td_batch *batch, const td_staging *s, double *planes, size_t first, size_t end) {
     size_t outputs = (size_t)batch->outputs;
-    for (size_t i = 0; i < s->asked_count; i++) {
+    for (size_t i = first; i < end; i++) {
         size_t job = (size_t)s->asked[i] / TD_TILE_BLOCKS, block = (size_t)s->asked[i] % TD_TILE_BLOCKS;
         const float *from = s->planes + i * outputs * TD_BLOCK_PIXELS;
         double *to = planes + (size_t)batch->jobs[job].out * outputs * TD_TILE_PIXELS + block * TD_BLOCK_PIXELS;
         for (size_t k = 0; k < outputs; k++, from += TD_BLOCK_PIXELS, to += TD_TILE_PIXELS)
             for (size_t p = 0; p < TD_BLOCK_PIXELS; p++) to[p] = from[p];
     }
+}
+
+/* Fewest blocks that are worth a thread of their own. */
+enum { FEWEST_BLOCKS = 512 };
+
+/* Arguments that the pool's threads share. */
+typedef struct placing {
+    const td_batch *batch;
+    const td_staging *s;
+    double *planes;
+    int portions;
+} placing;
+
+static void place_some(void *user, int k) {
+    const placing *of = user;
+    const int count = (int)of->s->asked_count;
+    place_blocks(of->batch, of->s, of->planes, (size_t)td_pool_begin(count, of->portions, k),
+                 (size_t)td_pool_begin(count, of->portions, k + 1));
+}
+
+static void place_planes(const td_batch *batch, const td_staging *s, double *planes) {
+    placing of = {batch, s, planes, td_pool_portions(batch->pool, (int)s->asked_count, FEWEST_BLOCKS)};
+    td_pool_run(batch->pool, of.portions, place_some, &of);
 }
 
 /* Draws a plane of the block at (x, y), as far as it is within the image. */

@@ -137,11 +137,9 @@ static tides_status cut(const tides_renderer *renderer, const tides_trajectory *
     tides_status status = begin_whole(nodes, start, stop, error);
     nodes->pieces = 2;
     if (status == TIDES_OK) status = add_samples(nodes, camera, renderer->epoch, start, stop, error);
-    const int before = nodes->pieces;
     if (status == TIDES_OK)
         status = td_dynamic_joints(&renderer->dynamic, start + same_time, stop - same_time, &nodes->knot, &nodes->pieces,
                                    &nodes->knot_capacity, error);
-    nodes->joints = nodes->pieces - before;
     for (int i = 0; i < renderer->store.objects && status == TIDES_OK; i++) {
         tides_object object;
         status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
@@ -164,23 +162,10 @@ static tides_status too_many(const td_point_nodes *nodes, tides_error *error) {
                    nodes->knot[nodes->pieces] - nodes->knot[0]);
 }
 
-/* The object whose motion model moves Gaussian i of the store, or NULL. */
-static const td_dynamic_object *mover_of(const tides_renderer *renderer, int gaussian) {
-    return td_dynamic_object_of(&renderer->dynamic, gaussian);
-}
-
-/* 1 where a Gaussian's motion may have a joint within the only piece. Keyframes may then be at its ends and in its middle: a
- * Gaussian that has the same place in all of them, and swings between, shows at none of three nodes. Rows of networks cost more
- * than the rest of a step, and none swings so. */
-static int has_joint(const tides_renderer *renderer, const td_point_nodes *nodes, int gaussian) {
-    const td_dynamic_object *object = mover_of(renderer, gaussian);
-    return nodes->joints > 0 && nodes->pieces == 1 && object && !object->expensive;
-}
-
 /* A Gaussian's first level. No curve may be longer than the Gaussian's diameter: what happens and returns between two nodes
  * would show at neither. Above MOST_LEVEL if no level is enough. */
 static int first_level(const tides_renderer *renderer, const td_point_nodes *nodes, int gaussian) {
-    int level = has_joint(renderer, nodes, gaussian) ? 2 : 1;
+    int level = 1;
     while (level <= MOST_LEVEL && renderer->sweep.travel[gaussian] > (double)((int64_t)nodes->pieces << level)) level++;
     return level;
 }
@@ -237,9 +222,9 @@ static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
     return TIDES_OK;
 }
 
-/* The object whose motion model moves Gaussian i of the group, or NULL. */
+/* The object whose motion model moves Gaussian i, or NULL. */
 static const td_dynamic_object *moved_by(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
-    return mover_of(renderer, nodes->group.gaussians[i]);
+    return td_dynamic_object_of(&renderer->dynamic, nodes->group.gaussians[i]);
 }
 
 /* The allowed error of Gaussian i's paths. Rows from a motion model have the backend's precision, so they may have a larger

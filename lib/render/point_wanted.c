@@ -28,6 +28,7 @@ void td_points_wanted_release(td_points_wanted *wanted) {
     free(wanted->fresh);
     free(wanted->listed);
     free(wanted->sights);
+    free(wanted->touched);
 }
 
 static void forget_fresh(td_points_wanted *wanted) {
@@ -105,33 +106,65 @@ static int touches(const td_sight *sight, int x, int y, const uint16_t *rows) {
     return touched;
 }
 
-/* Marks what a tile's fresh pixels may see; how much of it has no path. */
-static int mark_tile(const tides_renderer *renderer, const td_points_wanted *wanted, td_point_nodes *nodes,
-                     const td_point_span *span, int tile) {
-    const int across = renderer->candidates.tiles_x, x = tile % across * TD_TILE, y = tile / across * TD_TILE;
-    const uint16_t *rows = wanted->rows + (size_t)tile * TD_TILE;
+/* Arguments that the pool's threads share. */
+typedef struct touching {
+    const tides_renderer *renderer;
+    const td_points_wanted *wanted;
+    const td_point_nodes *nodes;
+    const td_point_span *span;
+    int portions;
+} touching;
+
+/* Finds what a tile's fresh pixels may see and has no path. */
+static void touch_tile(const touching *of, int tile) {
+    const int across = of->renderer->candidates.tiles_x, x = tile % across * TD_TILE, y = tile / across * TD_TILE;
+    const uint16_t *rows = of->wanted->rows + (size_t)tile * TD_TILE;
+    for (int i = of->span->first[tile]; i < of->span->first[tile + 1]; i++) {
+        const int gaussian = of->span->list[i];
+        of->wanted->touched[i] = 0;
+        if (gaussian < 0 || of->nodes->path[gaussian] != TD_PATH_UNMADE) continue;
+        const td_sight sight = td_sight_of(&of->renderer->image, of->span->boxes + 4 * (size_t)gaussian);
+        of->wanted->touched[i] = touches(&sight, x, y, rows) != 0;
+    }
+}
+
+static void touch_some(void *user, int k) {
+    const touching *of = user;
+    const int end = td_pool_begin(of->wanted->fresh_count, of->portions, k + 1);
+    for (int i = td_pool_begin(of->wanted->fresh_count, of->portions, k); i < end; i++) touch_tile(of, of->wanted->fresh[i]);
+}
+
+/* Marks what was found in a tile's list; how much of it no other tile has marked. */
+static int mark_tile(const td_points_wanted *wanted, td_point_nodes *nodes, const td_point_span *span, int tile) {
     int marked = 0;
     for (int i = span->first[tile]; i < span->first[tile + 1]; i++) {
-        const int gaussian = span->list[i];
-        if (gaussian < 0 || nodes->path[gaussian] != TD_PATH_UNMADE) continue;
-        const td_sight sight = td_sight_of(&renderer->image, span->boxes + 4 * (size_t)gaussian);
-        if (!touches(&sight, x, y, rows)) continue;
-        nodes->path[gaussian] = TD_PATH_WANTED;
+        if (!wanted->touched[i] || nodes->path[span->list[i]] != TD_PATH_UNMADE) continue;
+        nodes->path[span->list[i]] = TD_PATH_WANTED;
         marked++;
     }
     return marked;
 }
 
-void td_points_wanted_find(const tides_renderer *renderer, td_points_wanted *wanted, td_point_nodes *nodes,
-                           const td_point_span *span, const td_point *points, const int *which, int count) {
+/* Fewest tiles that are worth a thread of their own. */
+enum { FEWEST_TILES = 4 };
+
+tides_status td_points_wanted_find(const tides_renderer *renderer, td_points_wanted *wanted, td_point_nodes *nodes,
+                                   const td_point_span *span, const td_point *points, const int *which, int count,
+                                   tides_error *error) {
     int marked = 0;
     nodes->wanted_count = 0;
+    tides_status status = td_renew((void **)&wanted->touched, &wanted->touched_capacity,
+                                   (size_t)span->first[renderer->stats.tiles], sizeof *wanted->touched, error);
+    if (status != TIDES_OK) return status;
     forget_fresh(wanted);
     find_fresh(renderer, wanted, points, which, count);
-    for (int i = 0; i < wanted->fresh_count; i++) marked += mark_tile(renderer, wanted, nodes, span, wanted->fresh[i]);
+    touching all = {renderer, wanted, nodes, span, td_pool_portions(renderer->pool, wanted->fresh_count, FEWEST_TILES)};
+    td_pool_run(renderer->pool, all.portions, touch_some, &all);
+    for (int i = 0; i < wanted->fresh_count; i++) marked += mark_tile(wanted, nodes, span, wanted->fresh[i]);
     for (int i = 0; i < nodes->listed_count && nodes->wanted_count < marked; i++)
         if (nodes->path[nodes->listed[i]] == TD_PATH_WANTED) nodes->wanted[nodes->wanted_count++] = nodes->listed[i];
     wanted->groups += marked > 0;
+    return TIDES_OK;
 }
 
 void td_points_wanted_found(td_points_wanted *wanted) {

@@ -144,8 +144,7 @@ static tides_status add_group(const tides_renderer *renderer, td_points *p, tide
 /* Makes paths for the Gaussians that the points numbered which[0 .. count) may see. */
 static tides_status add_wanted(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                const int *which, int count, tides_error *error) {
-    tides_status status = TIDES_OK;
-    td_points_wanted_find(renderer, &p->asks, &p->nodes, &p->at, points, which, count);
+    tides_status status = td_points_wanted_find(renderer, &p->asks, &p->nodes, &p->at, points, which, count, error);
     while (p->nodes.wanted_count > 0 && status == TIDES_OK) {
         status = td_point_nodes_next(renderer, camera, p->engine, &p->nodes, error);
         if (status == TIDES_OK) status = add_group(renderer, p, error);
@@ -270,14 +269,13 @@ static int lay_launch(const tides_renderer *renderer, td_points *p, const td_poi
 }
 
 /* Waits for the launch that is under way, if there is one. */
-static tides_status finish_launch(td_points *p, tides_error *error) {
+static tides_status finish_launch(const tides_renderer *renderer, td_points *p, tides_error *error) {
     const td_points_some away = p->away;
     if (away.count == 0) return TIDES_OK;
     p->away.count = 0;
     tides_status status = p->engine->type->finish(p->engine, error);
-    for (int i = 0; i < away.count && status == TIDES_OK; i++)
-        status = td_point_take(&away.points[away.which[i]], p->values + 2 * i, &away.values[away.which[i]], error);
-    return status;
+    if (status != TIDES_OK) return status;
+    return td_points_take(renderer->pool, away.points, away.which, away.count, p->values, away.values, error);
 }
 
 /* Queues the next launch behind the running one. */
@@ -290,7 +288,7 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
                                    p->chunks,
                                    chunks,
                                    td_points_backdrop_of(&renderer->image, renderer->scratch.backdrops)};
-    tides_status status = finish_launch(p, error);
+    tides_status status = finish_launch(renderer, p, error);
     if (status == TIDES_OK) status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
     if (status != TIDES_OK) p->begun = -1; /* it isn't known which lists are ready */
     if (status == TIDES_OK) status = p->engine->type->values(p->engine, &batch, p->values, error);
@@ -354,7 +352,7 @@ static tides_status begin_points(tides_renderer *renderer, const tides_trajector
     }
     for (int k = 0; k < p->parts.count && status == TIDES_OK; k++) {
         points_asked asked = {points, values, p->which, 0, p->which + count};
-        status = finish_launch(p, error); /* the next part overwrites the running launch's list of points */
+        status = finish_launch(renderer, p, error); /* the next part overwrites the running launch's list of points */
         if (status == TIDES_OK) status = choose_part(renderer, camera, p, k, (int)count, &asked, error);
         if (status == TIDES_OK && asked.count > 0) status = points_of_part(renderer, camera, p, &asked, error);
     }
@@ -365,7 +363,7 @@ static tides_status begin_points(tides_renderer *renderer, const tides_trajector
 static tides_status exact_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                  size_t count, td_point_value *values, tides_error *error) {
     const tides_status status = begin_points(renderer, camera, p, points, count, values, error);
-    return status == TIDES_OK ? finish_launch(p, error) : status;
+    return status == TIDES_OK ? finish_launch(renderer, p, error) : status;
 }
 
 static td_points *of_swept(tides_renderer *renderer) {
@@ -394,7 +392,7 @@ tides_status td_renderer_points_begin(tides_renderer *renderer, const tides_traj
 }
 
 tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error) {
-    return renderer->points ? finish_launch(renderer->points, error) : TIDES_OK;
+    return renderer->points ? finish_launch(renderer, renderer->points, error) : TIDES_OK;
 }
 
 void td_renderer_points_drop(tides_renderer *renderer) {

@@ -4,6 +4,7 @@
 #include "td_points_direct.h"
 #include "td_points_wanted.h"
 #include "td_renderer.h"
+#include "td_wide.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,6 +32,9 @@ void td_points_direct_release(td_points_direct *direct) {
     free(direct->lists);
     free(direct->numbers);
     free(direct->sights);
+    free(direct->near.gaussian);
+    free(direct->near.touches);
+    for (int k = 0; k < 4; k++) free(direct->near.side[k]);
 }
 
 /* -- pixels that see a splat without a curve --------------------------------------------------------------------------- */
@@ -104,10 +108,37 @@ static tides_status reserve(td_points_direct *direct, int more, tides_error *err
     return status;
 }
 
-/* 1 if a box touches the point's pixel. */
-static int touches(const float *box, const td_point *point) {
-    return box[0] <= (float)(point->x + 1) && box[2] >= (float)point->x && box[1] <= (float)(point->y + 1) &&
-           box[3] >= (float)point->y;
+/* Takes a tile's list, with its boxes side by side, unless it is there: points of one tile mostly follow one another. In the
+ * store's order each look at a box was a cache miss: half of the time of points among 500 000 splats. */
+static tides_status take_tile(td_points_direct *direct, const td_point_span *span, int tile, tides_error *error) {
+    const int first = span->first[tile], end = span->first[tile + 1];
+    const size_t most = (size_t)(end - first);
+    size_t *capacity = direct->near.capacity;
+    int count = 0;
+    if (direct->near.tile == tile) return TIDES_OK;
+    direct->near.tile = -1;
+    tides_status status = td_renew((void **)&direct->near.gaussian, &capacity[0], most, sizeof *direct->near.gaussian, error);
+    if (status == TIDES_OK)
+        status = td_renew((void **)&direct->near.touches, &capacity[1], most, sizeof *direct->near.touches, error);
+    for (int k = 0; k < 4 && status == TIDES_OK; k++)
+        status = td_renew((void **)&direct->near.side[k], &capacity[2 + k], most, sizeof **direct->near.side, error);
+    for (int i = first; i < end && status == TIDES_OK; i++) {
+        if (span->list[i] < 0) continue;
+        const float *box = span->boxes + 4 * (size_t)span->list[i];
+        direct->near.gaussian[count] = span->list[i];
+        for (int k = 0; k < 4; k++) direct->near.side[k][count] = box[k];
+        count++;
+    }
+    if (status != TIDES_OK) return status;
+    direct->near.tile = tile;
+    direct->near.count = count;
+    return status;
+}
+
+/* Finds the boxes that touch a pixel. */
+TD_WIDE static void find_touching(int count, const float *x0, const float *y0, const float *x1, const float *y1, float x,
+                                  float y, uint8_t *restrict touches) {
+    for (int i = 0; i < count; i++) touches[i] = (uint8_t)((x0[i] <= x + 1) & (x1[i] >= x) & (y0[i] <= y + 1) & (y1[i] >= y));
 }
 
 /* Adds all that point k may see, as the lot's next Gaussians, and its tile's list. */
@@ -116,15 +147,20 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
     td_point_nodes *nodes = &direct->nodes;
     td_path_group *group = &nodes->group;
     const int tile = point->y / TD_TILE * renderer->candidates.tiles_x + point->x / TD_TILE;
-    const int first = span->first[tile], end = span->first[tile + 1], begun = *listed;
-    tides_status status = reserve(direct, end - first, error);
+    const int begun = *listed;
+    tides_status status = take_tile(direct, span, tile, error);
+    if (status == TIDES_OK) status = reserve(direct, direct->near.count, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&direct->lists, &direct->list_capacity, (size_t)(*listed + end - first) + TD_PAD,
+        status = td_reserve((void **)&direct->lists, &direct->list_capacity, (size_t)(*listed + direct->near.count) + TD_PAD,
                             sizeof *direct->lists, error);
-    for (int i = first; i < end && status == TIDES_OK; i++) {
-        const int gaussian = span->list[i], own = group->count;
-        if (gaussian < 0 || !touches(span->boxes + 4 * (size_t)gaussian, point)) continue;
-        group->gaussians[own] = gaussian;
+    if (status != TIDES_OK) return status;
+    float *const *side = direct->near.side;
+    find_touching(direct->near.count, side[0], side[1], side[2], side[3], (float)point->x, (float)point->y,
+                  direct->near.touches);
+    for (int i = 0; i < direct->near.count; i++) {
+        const int own = group->count;
+        if (!direct->near.touches[i]) continue;
+        group->gaussians[own] = direct->near.gaussian[i];
         group->first[own] = group->row[2 * own] = group->row[2 * own + 1] = direct->numbers[own] = own;
         group->level[own] = 0;
         group->open_at[own] = -1;
@@ -135,7 +171,6 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
         direct->lists[(*listed)++] = own;
         group->count++;
     }
-    if (status != TIDES_OK) return status;
     while (*listed % TD_PAD) direct->lists[(*listed)++] = TD_NO_GAUSSIAN;
     direct->end[k] = group->count;
     direct->time[k] = point->time;
@@ -198,6 +233,7 @@ tides_status td_points_direct_values(tides_renderer *renderer, const tides_traje
     const int count = some->count, *which = some->which;
     tides_status status = count > 0 ? create(renderer, direct, error) : TIDES_OK;
     direct->nodes.exact = exact;
+    direct->near.tile = -1; /* lists may be of another interval */
     for (int from = 0, taken; from < count && status == TIDES_OK; from += taken) {
         int listed = 0;
         direct->nodes.group.count = 0;

@@ -74,6 +74,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
     if (status == TIDES_OK) status = td_image_take_training(params, scene, &made->image, error);
     if (status == TIDES_OK) status = td_image_take_transfer(params, scene, &made->image, error);
+    if (status == TIDES_OK) status = td_image_set_floor(scene, &made->image, error);
     /* Hard order blends splats of equal depth in the scene's order, so the store must keep that order. */
     if (status == TIDES_OK)
         status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, made->image.soft_order, &made->store, error);

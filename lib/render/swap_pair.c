@@ -215,6 +215,71 @@ static void note_part(const pair *of, double near, int k) {
     }
 }
 
+/* -- fades at the near plane ----------------------------------------------------------------------------------------------- */
+
+/* A splat that fades passes the taper (image.rules smooth) faster than it comes: in a pixel, alpha goes from 1 / 255 to a tenth
+ * of that within a third of the fade. What the taper takes then is at most this share of 1 / 255: the greatest x (1 - s(x)) of
+ * its quintic s. Pixels of a block pass it a little before or after its middle. */
+static const double taken = 0.26, unevenly = 1.3;
+
+/* The place in [0, 1] at which a cubic that rises or falls reaches a level, between its ends. */
+static double reach(const double b[4], double level) {
+    enum { HALVINGS = 16 };
+    double from = 0, to = 1;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = 0.5 * (from + to);
+        if ((value_of(b, middle) < level) == (b[0] < level))
+            from = middle;
+        else
+            to = middle;
+    }
+    return 0.5 * (from + to);
+}
+
+/* The depth at which a splat has faded to this share of its opacity: smootherstep undone. */
+static double faded_to(const td_image *image, double share) {
+    enum { HALVINGS = 16 };
+    double from = 0, to = 1;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double x = 0.5 * (from + to);
+        if (x * x * x * (10 + x * (6 * x - 15)) < share)
+            from = x;
+        else
+            to = x;
+    }
+    return image->near + from * (image->near_full - image->near);
+}
+
+/* Notes when alpha passes the taper in a block, for a splat that fades at the near plane in part k. z: its depths, a cubic. */
+static void note_fade(td_swap_tile *tile, const td_swap_splat *a, const form *f, int block, const double z[4], int k) {
+    const td_image *image = tile->image;
+    const double per_part = (double)TD_SWAP_PARTS / tile->at->parts;
+    const double x = tile->corner[0] + (block % 4 + 0.5) * TD_BLOCK, y = tile->corner[1] + (block / 4 + 0.5) * TD_BLOCK;
+    const double least = image->cut * td_exp(form_at(f, x, y)), most = image->cut_full / image->cut * least;
+    if (!(least < 1)) return;
+    const double begin = reach(z, faded_to(image, least)), end = reach(z, faded_to(image, td_lesser(most, 1)));
+    const double wide = unevenly * 0.5 * fabs(end - begin), light = taken * image->cut_full * a->luminance;
+    const long part = lround((k + 0.5 * (begin + end)) * per_part);
+    const td_swap swap = {tile->tile * TD_TILE_BLOCKS + block, (int32_t)part, (float)light, (float)(wide * per_part)};
+    if (part < 1 || part >= TD_SWAP_PARTS || !(wide > 0 && wide < TD_SWAP_SLOW * tile->at->parts)) return;
+    if (light >= TD_SWAP_LEAST_LIGHT && tile->status == TIDES_OK) add_swap(tile, &swap);
+}
+
+void td_swaps_look_at_fade(td_swap_tile *tile, const td_swap_splat *a) {
+    const td_image *image = tile->image;
+    const unsigned blocks = blocks_of(a, a, tile->corner);
+    for (int k = 0; k < tile->at->parts; k++) {
+        form f;
+        const double third = tile->at->h / 3, from = a->z[k], to = a->z[k + 1];
+        const double z[4] = {from, from + third * a->z_dot[k], to - third * a->z_dot[k + 1], to};
+        if (td_greater(from, to) <= image->near || td_lesser(from, to) >= image->near_full) continue;
+        const double s = reach(z, faded_to(image, 0.5));
+        if (!find_form(image, tile->at, a, k, s, &f)) continue;
+        for (int i = 0; i < TD_TILE_BLOCKS; i++)
+            if (blocks >> i & 1) note_fade(tile, a, &f, i, z, k);
+    }
+}
+
 /* -------------------------------------------------------------------------------------------------------------------------- */
 
 /* 1 if the boxes don't overlap. */

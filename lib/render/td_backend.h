@@ -9,13 +9,14 @@
 
 #include "kernels/motion.h"
 #include "td_base.h"
+#include "td_pool.h"
 #include "tides/render.h"
 
 enum {
     TD_VIEW_REALS = 32,
     TD_STRAY_REALS = 32,
     TD_BACKDROP_REALS = 8,
-    TD_IMAGE_REALS = 46,
+    TD_IMAGE_REALS = 47,
     TD_IMAGE_INTS = 16,
     TD_JOB_INTS = 11,
     TD_MOVER_WHOLE = TD_MOVER_INTS + 8
@@ -198,6 +199,7 @@ typedef struct td_batch {
      * candidates. NULL if some candidates aren't rows of the store. */
     const td_groups *groups;
     td_pictures *pictures; /* images, all of one time, that replace the planes if the class draws; or NULL */
+    td_pool *pool;         /* whose threads share the host's work; NULL: the calling thread does all */
 } td_batch;
 
 /* Moved rows to copy to the caller: [row, row + count), row >= store.count. SH arrays are unchanged if no mover changes SH. */

@@ -60,7 +60,6 @@ typedef struct td_point_nodes {
     td_view *kept;   /* (objects) views of a kept instant, which open paths may have forgotten; else NULL */
     double *knot;    /* (pieces + 1) ends of the pieces of the interval [s after the epoch] */
     int pieces;
-    int joints;           /* number of joints of motions within the interval */
     double *piece_length; /* (pieces) [s] */
     int *path;            /* (store.count) first curve * TD_PATH_LEVELS + level; or TD_PATH_UNSEEN, ... */
     int *listed;          /* (listed_count) the Gaussians in a list, rising */

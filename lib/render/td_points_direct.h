@@ -21,6 +21,14 @@ typedef struct td_points_direct {
     td_points_chunk *chunks;
     double *column[TD_POINT_COLUMNS], *values;
     int *piece;
+    struct {
+        int tile;         /* whose list it is; -1: none */
+        int *gaussian;    /* (count) the list without its padding, */
+        float *side[4];   /* (count) their boxes' sides, */
+        uint8_t *touches; /* (count) and 1 for those that touch the last point's pixel */
+        int count;
+        size_t capacity[6]; /* gaussian, sides, touches */
+    } near;
     size_t gaussian_capacity[6], list_capacity, number_capacity;
 } td_points_direct;
 

@@ -22,8 +22,9 @@ typedef struct td_points_wanted {
     int fresh_count;
     int *listed; /* (tiles) 0: it has no list; else one more than the groups that had paths when that was made */
     int groups;
-    int *sights; /* of td_points_wanted_sights */
-    size_t sight_capacity;
+    int *sights;      /* of td_points_wanted_sights */
+    uint8_t *touched; /* (candidates) 1 for those of fresh tiles' lists that such a pixel may see */
+    size_t sight_capacity, touched_capacity;
 } td_points_wanted;
 
 tides_status td_points_wanted_create(const struct tides_renderer *renderer, td_points_wanted *wanted, tides_error *error);
@@ -33,8 +34,9 @@ void td_points_wanted_release(td_points_wanted *wanted);
 void td_points_wanted_clear(const struct tides_renderer *renderer, td_points_wanted *wanted);
 
 /* Fills nodes->wanted with the Gaussians without a path that the points numbered which[0 .. count) may see. */
-void td_points_wanted_find(const struct tides_renderer *renderer, td_points_wanted *wanted, td_point_nodes *nodes,
-                           const td_point_span *span, const td_point *points, const int *which, int count);
+tides_status td_points_wanted_find(const struct tides_renderer *renderer, td_points_wanted *wanted, td_point_nodes *nodes,
+                                   const td_point_span *span, const td_point *points, const int *which, int count,
+                                   tides_error *error);
 
 /* To be called when all of them have got their paths: older lists of these points' tiles are void, since they lack them. */
 void td_points_wanted_found(td_points_wanted *wanted);

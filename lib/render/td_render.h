@@ -70,8 +70,8 @@ typedef struct td_swap {
 } td_swap;
 
 /* Finds the swaps of the interval swept last; none in hard order, in which the image jumps at each. td_renderer_swaps returns
- * those of a block of a tile in order of time: (count). td_renderer_swaps_cut: tiles with too many pairs of splats, of which
- * some weren't searched. */
+ * those of a block of a tile in order of time: (count). td_renderer_swaps_cut: tiles with too many pairs of splats, whose
+ * fainter splats weren't searched. */
 tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
 const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count);
 int td_renderer_swaps_cut(const tides_renderer *renderer);
@@ -200,7 +200,7 @@ int td_renderer_is_double(const tides_renderer *renderer);
 
 /* The numbers that define a renderer's images besides scene, paths and device: image formation, intrinsics, blur, background,
  * colour filter. Equal numbers give equal images. */
-enum { TD_IMAGE_FACTS = 68 };
+enum { TD_IMAGE_FACTS = 69 };
 void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]);
 
 #endif

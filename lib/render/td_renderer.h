@@ -65,6 +65,9 @@ void td_image_set_decoder(const tides_scene *scene, const td_store *store, td_im
 /* The view of an object from a camera; object pose NULL: at rest. */
 void td_view_make(const tides_pose *camera, const tides_pose *object, double scale, td_view *view);
 
+/* Sets the floor that all objects' colours have; TD_NO_FLOOR where some have none. */
+tides_status td_image_set_floor(const tides_scene *scene, td_image *image, tides_error *error);
+
 /* Views of every object of `scene` at `time` [s after `epoch`]: (objects). */
 tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double epoch, double time, td_view *views,
                          tides_error *error);
@@ -142,6 +145,11 @@ tides_status td_points_create_engine(const tides_renderer *renderer, const td_im
 
 /* Takes an engine's L and L_dot as a point's value; TIDES_BAD_ARGUMENT if one isn't finite. */
 tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error);
+
+/* Takes what an engine has found of points[which[i]], found[2 i] and found[2 i + 1], for each i below `count`, as
+ * values[which[i]]. */
+tides_status td_points_take(td_pool *pool, const td_point *points, const int *which, int count, const double *found,
+                            td_point_value *values, tides_error *error);
 void td_points_destroy(td_points *points);
 
 /* Knowledge of the interval that was swept last. Arrays are in the store's order. */

@@ -5,7 +5,10 @@
 #ifndef TD_SWAPS_H
 #define TD_SWAPS_H
 
+#include "camera/td_rotation.h"
 #include "td_renderer.h"
+
+#include <math.h>
 
 /* Reach: splats are apart when less than exp(-TD_SWAP_REACH), 2 %, of the light they take is still shared. */
 #define TD_SWAP_REACH 4.0
@@ -13,9 +16,10 @@
 /* A smaller change of Y isn't counted as a swap. */
 #define TD_SWAP_LEAST_LIGHT 1e-5
 
-/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples; of splats of one body that
- * is seen to turn evenly, and of those that motion models move, a larger one than the other. Choices: demo's 50 ms took 15 %
- * longer with 0.25, 7 with 0.1, 0 so; 30 ms of `tides scene crowd` with what moves 140 % with 0.25, 25 % so. */
+/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples; of splats of one body
+ * that is seen to turn evenly, and of those that motion models move, a larger one than the other where a tile has many.
+ * Choices: demo's 50 ms took 15 % longer with 0.25, 7 with 0.1, 0 so; 30 ms of `tides scene crowd` with what moves 140 % with
+ * 0.25, 25 % so. */
 #define TD_SWAP_SLOW 0.25
 #define TD_SWAP_SLOW_WITHIN 0.05
 
@@ -46,7 +50,7 @@ typedef struct td_swap_samples {
 typedef struct td_swap_portion {
     td_swap *swap; /* (count) */
     size_t count, swap_capacity;
-    int tiles_cut;               /* tiles whose pairs were too many to be searched all */
+    int tiles_cut;               /* tiles whose pairs were too many: fainter splats were left out */
     td_swap_splat *splat;        /* of a tile */
     const td_swap_splat **order; /* these, sorted */
     double *depth;               /* their depths and rates */
@@ -65,6 +69,7 @@ struct td_swaps {
     size_t view_capacity;
     td_swap *swap; /* (count) sorted by block, then time */
     size_t count, swap_capacity;
+    int some_may, some_fade;  /* 1: in this interval splats may swap, or fade at the near plane */
     int tiles_cut;            /* of all portions */
     int32_t *first;           /* (blocks + 1) */
     td_swap_portion *portion; /* (portions) */
@@ -84,10 +89,44 @@ typedef struct td_swap_tile {
     const td_swap_samples *at;
     int tile, corner[2]; /* corner: its first pixel */
     double contrast;     /* largest difference of Y between splats, beyond that of the constant terms */
-    int is_cut;          /* 1: it has more pairs than are searched */
+    int is_full;         /* 1: there were more pairs than are checked */
+    int is_cut;          /* 1: its fainter splats are left out for that */
     tides_status status;
     tides_error *error;
 } td_swap_tile;
+
+/* Possible partners of a splat in a swap. TD_MAY_SWAP: only splats of other bodies; TD_MAY_SLOWLY: in tiles with few splats
+ * also of its own body; TD_MAY_SHORTLY: also of its own body, if the swap is short; TD_MAY_ALONE: also of its own body. */
+enum { TD_MAY_NOT, TD_MAY_SWAP, TD_MAY_SLOWLY, TD_MAY_SHORTLY, TD_MAY_ALONE };
+
+/* Extent of a splat in standard deviations of its ellipsoid: there, a splat of opacity 1 has alpha 1/255. */
+#define TD_SWAPS_SIGMAS 3.4
+
+/* Two splats that overlap in the image at equal depth have centres at most the sum of their extents apart, times this factor
+ * off the axis. */
+#define TD_SWAPS_ASKEW 1.5
+
+/* Distance between two points, or two rows of views. */
+static inline double td_swaps_apart(const double *a, const double *b) {
+    const double way[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return td_length3(way);
+}
+
+/* Depth of a point in a view. */
+static inline double td_swaps_depth(const td_view *view, const double *mean) {
+    return view->r[6] * mean[0] + view->r[7] * mean[1] + view->r[8] * mean[2] + view->t[2];
+}
+
+/* Half the distance, in its object's units, between a splat at depth z and a splat that shares a pixel with it at that
+ * depth. */
+static inline double td_swaps_reach(const tides_renderer *renderer, const struct td_swaps *swaps, int g, double z) {
+    const td_image *image = &renderer->image;
+    return TD_SWAPS_ASKEW * ((double)swaps->extent[g] + TD_SWAPS_SIGMAS * sqrt(image->dilation) * fabs(z) / image->fx);
+}
+
+/* Searches a tile, and adds its swaps and fades to the portion's (swap_tile.c). */
+TIDES_MUST_CHECK tides_status td_swaps_look_in(const tides_renderer *renderer, const struct td_swaps *swaps,
+                                               const td_swap_samples *at, int tile, td_swap_portion *portion);
 
 /* Works out the splats that motion models move at the samples (swap_movers.c). */
 TIDES_MUST_CHECK tides_status td_swaps_move(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at,
@@ -95,6 +134,13 @@ TIDES_MUST_CHECK tides_status td_swaps_move(const tides_renderer *renderer, stru
 
 /* Adds all swaps of two splats that take no more than this share to those of the tile's blocks (swap_pair.c). */
 void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b, double slow);
+
+/* td_swaps_is_fading: 1 if splat g fades at the near plane within the interval, by its depths at the start, the middle and the
+ * end. td_swaps_some_fade: 1 if any does that no motion model moves; 0 through a lens, where places aren't computed.
+ * td_swaps_look_at_fade adds to those of a tile's blocks when they see such a splat pass the taper of opacity. */
+int td_swaps_is_fading(const tides_renderer *renderer, const td_swap_samples *at, int g);
+int td_swaps_some_fade(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at);
+void td_swaps_look_at_fade(td_swap_tile *tile, const td_swap_splat *a);
 
 tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error);
 void td_swaps_destroy(struct td_swaps *swaps);

@@ -137,6 +137,7 @@ tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_traject
     batch.hint_count = td_candidates_hint_count(&renderer->candidates);
     batch.in_order = renderer->scratch.in_order;
     batch.pictures = pictures;
+    batch.pool = renderer->pool;
     const td_groups groups = {renderer->candidates.groups, renderer->candidates.group_count};
     const int moves = renderer->dynamic.gaussians > 0; /* their rows have to be computed for the batch's times */
     if (!moves) batch.groups = &groups;

@@ -23,8 +23,8 @@ static td_transfer transfer_of(int32_t kind, double gamma) {
     return kind == TIDES_TRANSFER_SRGB ? srgb : power;
 }
 
-/* Colour still to come above which compositing can't stop, since it changes any pixel's L by more than `stop`. It is the
- * least such power of two, with a factor of 2 to spare; infinite if no channel has luminance. */
+/* The least power of two, with a factor of 2 to spare, such that so much more colour changes any pixel's L by more than `stop`.
+ * While more than this can still come, compositing can't stop. Infinite if no channel has luminance. */
 static double sure_of(const td_image *image) {
     const double white = td_white(image);
     double sure = 1;
@@ -35,7 +35,8 @@ static double sure_of(const td_image *image) {
     return white > 0 ? sure : HUGE_VAL;
 }
 
-/* Sets the transfer. f' x / f is at most gamma. */
+/* Sets the transfer. `steepest` is gamma, because f' x / f, the ratio of a change of ln(light) to that of ln(colour), is at
+ * most gamma. */
 void td_image_set_transfer(int32_t kind, double gamma, td_image *image) {
     td_transfer *to = &image->transfer;
     *to = (td_transfer){.slope = 1, .scale = 1, .gamma = 1, .steepest = 1, .dark = image->log_eps};

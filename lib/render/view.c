@@ -4,8 +4,9 @@
 #include "scene/td_scene.h"
 #include "td_renderer.h"
 
-/* Colour floor for methods that don't clamp colours: below any colour. */
-static const double no_floor = -1e30;
+static int clamps(const tides_object *object) {
+    return !object->motion || td_motion_setting(object->motion, TD_PLAIN_COLOUR, 0) == 0;
+}
 
 typedef double matrix3[9];
 
@@ -59,13 +60,24 @@ static tides_status view_from(const tides_scene *scene, int32_t i, const tides_p
     if (!object.trajectory) pose = at_rest;
     td_pose_add_origin(&pose, object.scale, object.gaussians.origin); /* from here on relative to the camera, in double */
     td_view_make(eye, &pose, object.scale, view);
-    if (object.motion && td_motion_setting(object.motion, TD_PLAIN_COLOUR, 0) != 0) view->colour_floor = no_floor;
+    if (!clamps(&object)) view->colour_floor = TD_NO_FLOOR;
     return TIDES_OK;
 }
 
 static tides_status eye_at(const tides_trajectory *camera, double epoch, double time, tides_pose *eye, tides_error *error) {
     tides_status status = td_trajectory_at(camera, epoch, time, eye, error);
     return status == TIDES_OK ? status : td_fail_within(error, status, "camera path");
+}
+
+tides_status td_image_set_floor(const tides_scene *scene, td_image *image, tides_error *error) {
+    tides_object object;
+    tides_status status = TIDES_OK;
+    image->colour_floor = 0;
+    for (int32_t i = 0; i < tides_scene_objects(scene) && status == TIDES_OK; i++) {
+        status = tides_scene_object(scene, i, &object, error);
+        if (status == TIDES_OK && !clamps(&object)) image->colour_floor = TD_NO_FLOOR;
+    }
+    return status;
 }
 
 tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double epoch, double time, td_view *views,

@@ -168,8 +168,8 @@ static tides_status merge_lens(const tides_run *run, const tides_path *file, tid
     if (strcmp(td_run_value(run, "camera.lens")->valuestring, "file") != 0) return TIDES_OK;
     if (file->distorted)
         return td_fail(error, TIDES_BAD_CONFIG,
-                       "%s: the camera of %s bends lines as no lens here does, or differently from frame to frame; set "
-                       "camera.lens: none for the pinhole that agrees with it at its axis, or %s with coefficients",
+                       "%s: the lens of %s is no lens of TIDES, or differs from frame to frame; set camera.lens: none for a "
+                       "pinhole, or %s with coefficients",
                        run->origin, td_run_file(run, "camera.file"), td_lens_choices(choices));
     const double given[] = {merged->k1, merged->k2, merged->k3, merged->k4, merged->p1, merged->p2};
     static const char *const names[] = {"k1", "k2", "k3", "k4", "p1", "p2"};

@@ -3,6 +3,8 @@
  * Most pixels do nothing in most steps. Blocks of pixels are passed over by comparing control values with levels, in loops that
  * vectorise, behind low-passes and the circuit too. The others are handled one by one: ideal pixels in td_ideal.h, pixels with
  * blocks in pixel.c. Behind a high-pass each pixel is handled by itself. */
+#include "td_block_noise.h"
+#include "td_extremes.h"
 #include "td_ideal.h"
 #include "td_between.h"
 #include "td_ideal_block.h"
@@ -18,14 +20,6 @@
 
 enum { BLOCK = TD_IDEAL_BLOCK };
 
-/* A block's additive noise and kicks in the step: the noise's segments at the step's end, and the levels less the bounds of
- * noise and kicks. */
-typedef struct noise_block {
-    double segment[BLOCK], value[BLOCK], light[BLOCK], on[BLOCK], off[BLOCK];
-    double path[BLOCK * TD_NOISE_PATH]; /* BLOCK is a multiple of TD_RANDOM_LANES */
-    td_noise_path paths[BLOCK];
-} noise_block;
-
 /* The arguments of a call, and what follows from them. */
 typedef struct tile_job {
     td_pixel_job pixel;
@@ -36,7 +30,7 @@ typedef struct tile_job {
     double stop;            /* every wake-up of this step is at or before this time [ns since the run's start] */
     size_t begun;           /* number in the tile of the current block's first pixel */
     const double *on, *off; /* the block's levels: signals that stay within them need nothing */
-    noise_block *noise;     /* NULL: there is none */
+    td_block_noise *noise;  /* NULL: there is none */
     td_pieces *pieces;      /* of the single pixel at hand; NULL: its model follows from its signals at the step's ends */
 } tile_job;
 
@@ -51,31 +45,19 @@ static inline td_model fit(int32_t kind, const td_signals *signals, double h, si
     return td_model_fit(kind, h, signals->S0[j], S0_dot, signals->S1[j], S1_dot);
 }
 
-/* outside[k] = 0 where pixel j = first + k needs nothing, otherwise 1. It needs nothing if the control values of S_eff and its
- * end are all strictly between the levels (NaN isn't), and no wake-up is due. An ideal pixel's levels are the sensor's own, and
- * it has no leak. With `kind` and `ideal` constant the loop is straight-line code that vectorises (gcc -O3 -fopt-info-vec names
- * it). Flags are doubles, set by one comparison at a time, because gcc 12 doesn't vectorise comparisons of doubles that give
- * integers. */
-static inline void reject(int32_t kind, int ideal, const tile_job *job, size_t first, size_t count, double *restrict outside) {
+/* outside[k] = 0 where ideal pixel j = first + k needs nothing, otherwise 1. It needs nothing if the control values of S and
+ * its end are all strictly between the levels (NaN isn't). With `kind` constant the loop is straight-line code that vectorises
+ * (gcc -O3 -fopt-info-vec names it). Flags are doubles, set by one comparison at a time, because gcc 12 doesn't vectorise
+ * comparisons of doubles that give integers. */
+static inline void reject(int32_t kind, const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
     const td_signals from = *job->signals;
-    const size_t at = job->first + first;
-    const double *reference = sensor->pixels.reference + at, *on = job->on, *off = job->off;
-    const double *leak = ideal ? NULL : sensor->leak + at, *wake = ideal ? NULL : sensor->wake + at;
-    const double h = job->pixel.step->length_s, start = job->pixel.start, third = job->pixel.step->length_ns / 3;
-    const double stop = job->stop, same_on = sensor->sensor.threshold_on, same_off = sensor->sensor.threshold_off;
+    const double *reference = sensor->pixels.reference + job->first + first;
+    const double h = job->pixel.step->length_s, high = sensor->sensor.threshold_on, low = -sensor->sensor.threshold_off;
     for (size_t k = 0; k < count; k++) {
         td_model model = fit(kind, &from, h, first + k);
-        double base = ideal ? -reference[k] : leak[k] * start - reference[k], rise = ideal ? 0 : leak[k] * third;
-        double high = ideal ? same_on : on[k], low = ideal ? -same_off : -off[k];
-        double r0 = model.control[0] + base, r1 = model.control[1] + base, r2 = model.control[2] + base;
-        double r3 = model.control[3] + base, last = from.S1[first + k] + base;
-        if (!ideal) {
-            r1 += rise;
-            r2 += 2 * rise;
-            r3 += 3 * rise;
-            last += 3 * rise;
-        }
+        double base = -reference[k], r0 = model.control[0] + base, r1 = model.control[1] + base;
+        double r2 = model.control[2] + base, r3 = model.control[3] + base, last = from.S1[first + k] + base;
         double flag = r0 < high ? 0.0 : 1.0;
         flag = r0 > low ? flag : 1.0;
         flag = r1 < high ? flag : 1.0;
@@ -85,27 +67,50 @@ static inline void reject(int32_t kind, int ideal, const tile_job *job, size_t f
         flag = r3 < high ? flag : 1.0;
         flag = r3 > low ? flag : 1.0;
         flag = last < high ? flag : 1.0;
-        flag = last > low ? flag : 1.0;
-        outside[k] = ideal || wake[k] > stop ? flag : 1.0;
+        outside[k] = last > low ? flag : 1.0;
     }
 }
 
-/* Calls `reject` with the model's kind as a constant. */
-static inline void reject_any(int ideal, const tile_job *job, size_t first, size_t count, double *outside) {
-    switch (job->pixel.sensor->model) {
-        case TIDES_MODEL_LINEAR: reject(TIDES_MODEL_LINEAR, ideal, job, first, count, outside); break;
-        case TIDES_MODEL_QUADRATIC: reject(TIDES_MODEL_QUADRATIC, ideal, job, first, count, outside); break;
-        case TIDES_MODEL_SECANT: reject(TIDES_MODEL_SECANT, ideal, job, first, count, outside); break;
-        default: reject(TIDES_MODEL_HERMITE, ideal, job, first, count, outside); break;
+/* Bounds of S_eff over the reference of pixels with blocks: the range of control values and end; NaN where one of these is. */
+static inline void bound(int32_t kind, const tile_job *job, size_t first, size_t count, td_block_signals *restrict to) {
+    const td_sensor *sensor = job->pixel.sensor;
+    const td_signals from = *job->signals;
+    const size_t at = job->first + first;
+    const double *reference = sensor->pixels.reference + at, *leak = sensor->leak + at;
+    const double h = job->pixel.step->length_s, start = job->pixel.start, third = job->pixel.step->length_ns / 3;
+    for (size_t k = 0; k < count; k++) {
+        td_model model = fit(kind, &from, h, first + k);
+        double base = leak[k] * start - reference[k], rise = leak[k] * third;
+        double r0 = model.control[0] + base, r1 = model.control[1] + base + rise;
+        double r2 = model.control[2] + base + 2 * rise, r3 = model.control[3] + base + 3 * rise;
+        double last = from.S1[first + k] + base + 3 * rise, nothing = 0 * (r0 + r1 + r2 + r3 + last);
+        to->low[k] = td_lesser(td_lesser(td_lesser(r0, r1), td_lesser(r2, r3)), last) + nothing;
+        to->high[k] = td_greater(td_greater(td_greater(r0, r1), td_greater(r2, r3)), last) + nothing;
+        to->control[0][k] = r0;
+        to->control[1][k] = r1;
+        to->control[2][k] = r2;
+        to->control[3][k] = r3;
+        to->last[k] = last;
     }
 }
 
+/* These call the loops with the model's kind as a constant. */
 TD_WIDE static void reject_ideal(const tile_job *job, size_t first, size_t count, double *outside) {
-    reject_any(1, job, first, count, outside);
+    switch (job->pixel.sensor->model) {
+        case TIDES_MODEL_LINEAR: reject(TIDES_MODEL_LINEAR, job, first, count, outside); break;
+        case TIDES_MODEL_QUADRATIC: reject(TIDES_MODEL_QUADRATIC, job, first, count, outside); break;
+        case TIDES_MODEL_SECANT: reject(TIDES_MODEL_SECANT, job, first, count, outside); break;
+        default: reject(TIDES_MODEL_HERMITE, job, first, count, outside); break;
+    }
 }
 
-TD_WIDE static void reject_others(const tile_job *job, size_t first, size_t count, double *outside) {
-    reject_any(0, job, first, count, outside);
+TD_WIDE static void bound_cubics(const tile_job *job, size_t first, size_t count, td_block_signals *to) {
+    switch (job->pixel.sensor->model) {
+        case TIDES_MODEL_LINEAR: bound(TIDES_MODEL_LINEAR, job, first, count, to); break;
+        case TIDES_MODEL_QUADRATIC: bound(TIDES_MODEL_QUADRATIC, job, first, count, to); break;
+        case TIDES_MODEL_SECANT: bound(TIDES_MODEL_SECANT, job, first, count, to); break;
+        default: bound(TIDES_MODEL_HERMITE, job, first, count, to); break;
+    }
 }
 
 /* The control values of `count` pixels' inputs. */
@@ -146,27 +151,36 @@ static int step_filters(const tile_job *job, size_t at, size_t count, const doub
     return 1;
 }
 
-/* `reject` for pixels behind filters. Pixels that need nothing get their state at the step's end; the others keep theirs.
- * `slack` covers rounding, so that no pixel is passed over whose response reaches a level. */
-static void reject_filtered(const tile_job *job, size_t first, size_t count, double *restrict outside) {
+/* The block's signals behind the filters, and the filters' states at the step's end. */
+typedef struct filtered_block {
+    td_block_signals signals;
+    double after[TD_FRONTEND_STATE][BLOCK];
+    int states;
+} filtered_block;
+
+/* Bounds of S_eff over the reference behind filters. They cover rounding, so that no pixel is passed over whose response
+ * reaches a level. */
+static void bound_filtered(const tile_job *job, size_t first, size_t count, filtered_block *block) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t at = job->first + first;
-    const double *reference = sensor->pixels.reference + at, *leak = sensor->leak + at, *wake = sensor->wake + at;
-    const double *on = job->on, *off = job->off;
-    const double start = job->pixel.start, length = job->pixel.step->length_ns, stop = job->stop;
-    double b[4][BLOCK], after[TD_FRONTEND_STATE][BLOCK], low[BLOCK], high[BLOCK];
+    const double *reference = sensor->pixels.reference + at, *leak = sensor->leak + at;
+    const double start = job->pixel.start, length = job->pixel.step->length_ns;
+    double b[4][BLOCK], *low = block->signals.low, *high = block->signals.high;
     const double *const control[4] = {b[0], b[1], b[2], b[3]};
     gather_block(job, first, count, b);
-    const int states = step_filters(job, at, count, control, after, low, high);
+    block->states = step_filters(job, at, count, control, block->after, low, high);
     for (size_t k = 0; k < count; k++) {
         double ramp = leak[k] * start, rise = leak[k] * length, slack = 16 * DBL_EPSILON * (ramp + rise + fabs(reference[k]));
-        double flag = high[k] + (ramp - reference[k]) + rise + slack < on[k] ? 0.0 : 1.0;
-        flag = low[k] + (ramp - reference[k]) - slack > -off[k] ? flag : 1.0;
-        outside[k] = wake[k] > stop ? flag : 1.0;
+        high[k] = high[k] + (ramp - reference[k]) + rise + slack;
+        low[k] = low[k] + (ramp - reference[k]) - slack;
     }
-    for (int s = 0; s < states; s++) {
-        double *state = sensor->filtered.state[s] + at;
-        for (size_t k = 0; k < count; k++) state[k] = outside[k] == 0.0 ? after[s][k] : state[k];
+}
+
+/* Gives the filters of pixels that need nothing their state at the step's end; the others keep theirs. */
+static void keep_states(const tile_job *job, size_t first, size_t count, const filtered_block *block, const double *outside) {
+    for (int s = 0; s < block->states; s++) {
+        double *state = job->pixel.sensor->filtered.state[s] + job->first + first;
+        for (size_t k = 0; k < count; k++) state[k] = outside[k] == 0.0 ? block->after[s][k] : state[k];
     }
 }
 
@@ -191,8 +205,8 @@ static void filter(const tile_job *job, td_pixel_step *pixel, td_kept_substeps *
     double state[TD_FRONTEND_STATE] = {0};
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) state[k] = sensor->filtered.state[k][pixel->i];
-    td_frontend_step_keeping(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state,
-                             &pixel->response, kept);
+    td_frontend_step(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state, &pixel->response,
+                     kept);
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filtered.state[k]) sensor->filtered.state[k][pixel->i] = state[k];
     pixel->end = state[0];
@@ -207,16 +221,6 @@ static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
     return low > reference - job->off[k] && high < reference + job->on[k] && sensor->wake[pixel->i] > job->stop;
 }
 
-/* Finds the pixels of a block that need something. The others' filters then have their state at the step's end; their noise
- * doesn't yet. */
-static void reject_block(const tile_job *job, size_t first, size_t count, double *outside) {
-    const td_sensor *sensor = job->pixel.sensor;
-    if (!sensor->frontend.on)
-        reject_others(job, first, count, outside);
-    else
-        reject_filtered(job, first, count, outside);
-}
-
 /* 1 where pixels can be passed over in blocks: not behind a high-pass. */
 static int can_reject(const td_sensor *sensor) { return !sensor->exhaustive && sensor->frontend.kind != TD_FRONTEND_HIGHPASS; }
 
@@ -229,69 +233,61 @@ static td_model light_of(const tile_job *job, size_t j) {
                             : fit(job->pixel.sensor->model, job->signals, h, j);
 }
 
-static void sweep_noise(const tile_job *job, size_t first, size_t count, double *low, double *high) {
-    const td_sensor *sensor = job->pixel.sensor;
-    const size_t at = job->first + first;
-    noise_block *noise = job->noise;
-    td_model input[BLOCK];
-    memcpy(noise->segment, sensor->segment.number + at, count * sizeof *noise->segment);
-    memcpy(noise->value, sensor->segment.value + at, count * sizeof *noise->value);
-    if (sensor->segment.light) {
-        memcpy(noise->light, sensor->segment.light + at, count * sizeof *noise->light);
-        for (size_t k = 0; k < count; k++) input[k] = light_of(job, first + k);
-    }
-    const td_noise_sweep sweep = {noise->segment, noise->value, low, high, noise->light, input, noise->path, noise->paths};
-    td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
-                            &sweep);
-    for (size_t k = 0; k < count; k++) {
-        low[k] -= sensor->additive.reach;
-        high[k] += sensor->additive.reach;
-    }
-}
-
-static void add_kicks(const tile_job *job, size_t first, size_t count, double *low, double *high) {
+static void bound_kicks(const tile_job *job, size_t first, size_t count, double *low, double *high) {
     const double start = job->pixel.start, stop = start + job->pixel.step->length_ns;
     double least = 0, most = 0;
     for (size_t k = 0; k < count; k++) {
         const int32_t y = row(job, first + k);
         if (k == 0 || y != row(job, first + k - 1)) td_kick_bounds(&job->pixel.sensor->kick, y, start, stop, &least, &most);
-        low[k] += least;
-        high[k] += most;
+        low[k] = least;
+        high[k] = most;
     }
 }
 
-/* The block's levels, within which noise can't reach one. `slack` covers rounding, so that no pixel is passed over that noise
- * takes to a level. */
+static td_noisy_step noisy_step(const tile_job *job, size_t first, size_t count) {
+    return (td_noisy_step){job->pixel.sensor, job->pixel.start,   job->pixel.step->length_ns,
+                           job->stop,         job->first + first, count};
+}
+
+/* The block's levels, within which noise can't reach one. */
 static void take_levels(tile_job *job, size_t first, size_t count) {
     const td_sensor *sensor = job->pixel.sensor;
-    const size_t at = job->first + first;
-    const double *reference = sensor->pixels.reference + at, *leak = sensor->leak + at;
-    const double stop = job->pixel.start + job->pixel.step->length_ns;
-    noise_block *noise = job->noise;
+    td_block_noise *noise = job->noise;
     job->begun = first;
-    job->on = sensor->threshold_on + at;
-    job->off = sensor->threshold_off + at;
+    job->on = sensor->threshold_on + job->first + first;
+    job->off = sensor->threshold_off + job->first + first;
     if (!noise) return;
-    double low[BLOCK] = {0}, high[BLOCK] = {0};
-    if (sensor->additive.on) sweep_noise(job, first, count, low, high);
-    if (sensor->kick.on) add_kicks(job, first, count, low, high);
-    for (size_t k = 0; k < count; k++) {
-        double size = fabs(reference[k]) + leak[k] * stop + job->on[k] + job->off[k] + fabs(low[k]) + fabs(high[k]);
-        double slack = 64 * DBL_EPSILON * size;
-        noise->on[k] = job->on[k] - high[k] - slack;
-        noise->off[k] = job->off[k] + low[k] - slack;
-    }
+    const td_noisy_step step = noisy_step(job, first, count);
+    if (sensor->kick.on)
+        bound_kicks(job, first, count, noise->kick_low, noise->kick_high);
+    else
+        for (size_t k = 0; k < count; k++) noise->kick_low[k] = noise->kick_high[k] = 0;
+    td_block_noise_begin(noise, &step);
     job->on = noise->on;
     job->off = noise->off;
 }
 
+/* Finds the pixels of a block that need something; `signals` is NULL where all do. */
+static void mark_block(const tile_job *job, size_t first, size_t count, const td_block_signals *signals, double *outside) {
+    const td_sensor *sensor = job->pixel.sensor;
+    const double *wake = sensor->wake + job->first + first;
+    for (size_t k = 0; k < count; k++) {
+        double flag = signals && signals->high[k] < job->on[k] ? 0.0 : 1.0;
+        flag = signals && signals->low[k] > -job->off[k] ? flag : 1.0;
+        outside[k] = wake[k] > job->stop ? flag : 1.0;
+    }
+    if (!job->noise || !sensor->additive.on) return;
+    for (size_t k = 0; k < count && sensor->additive.varies; k++)
+        if (outside[k] != 0.0) job->noise->input[k] = light_of(job, first + k);
+    const td_noisy_step step = noisy_step(job, first, count);
+    td_block_noise_look(job->noise, &step, signals, outside);
+}
+
 /* Takes the noise of a pixel that needs nothing to the step's end. */
 static void pass_over(const tile_job *job, size_t j) {
-    const td_sensor *sensor = job->pixel.sensor;
-    if (!job->noise || !sensor->additive.on) return;
-    sensor->segment.number[job->first + j] = job->noise->segment[j - job->begun];
-    sensor->segment.value[job->first + j] = job->noise->value[j - job->begun];
-    if (sensor->segment.light) sensor->segment.light[job->first + j] = job->noise->light[j - job->begun];
+    if (!job->noise || !job->pixel.sensor->additive.on) return;
+    const td_noisy_step step = noisy_step(job, job->begun, 0);
+    td_block_noise_pass(job->noise, &step, j - job->begun);
 }
 
 static tides_status step_pixel(tile_job *job, size_t j) {
@@ -299,7 +295,12 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     const td_sensor *sensor = job->pixel.sensor;
     td_pixel_step pixel = {.local = j, .i = job->first + j, .x = column(job, j), .y = row(job, j)};
     pixel.input = fit(sensor->model, job->signals, step->length_s, j);
-    if (job->noise && sensor->additive.on && !sensor->additive.varies) pixel.noise = job->noise->paths[j - job->begun];
+    if (job->noise && sensor->additive.on) {
+        pixel.noise = job->noise->paths[j - job->begun];
+        pixel.low = job->noise->low[j - job->begun];
+        pixel.high = job->noise->high[j - job->begun];
+        pixel.quiet_before = job->noise->quiet_before[j - job->begun];
+    }
     pixel.response.cubic = pixel.input;
     pixel.end = job->signals->S1[j];
     td_kept_substeps kept;
@@ -383,13 +384,22 @@ static tides_status step_ideal_block(tile_job *job, size_t first, size_t count) 
 
 /* Advances a block of pixels with blocks of the sensor model. */
 static tides_status step_block(tile_job *job, size_t first, size_t count) {
-    const int rejects = can_reject(job->pixel.sensor);
+    const td_sensor *sensor = job->pixel.sensor;
+    const int rejects = can_reject(sensor);
     double outside[BLOCK];
+    filtered_block block;
+    block.states = 0;
+    block.signals.cubic = !sensor->frontend.on;
     take_levels(job, first, count);
-    if (rejects) reject_block(job, first, count, outside);
+    if (rejects && sensor->frontend.on)
+        bound_filtered(job, first, count, &block);
+    else if (rejects)
+        bound_cubics(job, first, count, &block.signals);
+    mark_block(job, first, count, rejects ? &block.signals : NULL, outside);
+    if (rejects) keep_states(job, first, count, &block, outside);
     for (size_t k = 0; k < count; k++) {
         tides_status status = TIDES_OK;
-        if (rejects && outside[k] == 0.0)
+        if (outside[k] == 0.0)
             pass_over(job, first + k);
         else
             status = step_pixel(job, first + k);
@@ -398,10 +408,26 @@ static tides_status step_block(tile_job *job, size_t first, size_t count) {
     return TIDES_OK;
 }
 
+static tides_status step_all(tile_job *job) {
+    const size_t pixels = (size_t)job->tile->count;
+    tides_status status = TIDES_OK;
+    for (size_t done = 0; done < pixels && status == TIDES_OK; done += BLOCK) {
+        const size_t count = pixels - done < BLOCK ? pixels - done : BLOCK;
+        status = job->pixel.sensor->on ? step_block(job, done, count) : step_ideal_block(job, done, count);
+    }
+    return status;
+}
+
+/* Not inlined: the noise of a block is large, and compilers touch all pages of a frame. */
+TD_BESIDE static tides_status step_noisy(tile_job *job) {
+    td_block_noise noise;
+    job->noise = &noise;
+    return step_all(job);
+}
+
 tides_status td_sensor_step(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
                             const td_seen *seen, td_work *work, tides_error *error) {
-    const size_t before = work->events.count, pixels = (size_t)tile->count;
-    noise_block noise;
+    const size_t before = work->events.count;
     tile_job job = {.pixel = {.sensor = sensor, .step = step, .light = seen->light, .buffer = &work->events, .error = error},
                     .tile = tile,
                     .first = first,
@@ -413,14 +439,10 @@ tides_status td_sensor_step(const td_sensor *sensor, const td_step *step, const 
                        1e-9 * sensor->kick.recovery_ns, step->length_s, TD_KICK_STEP_MAX);
     job.pixel.start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
     job.stop = (double)(step->stop_ns - sensor->start.ns) + 2; /* stop_ns may be 1 less and is floored */
-    job.noise = sensor->additive.on || sensor->kick.on ? &noise : NULL;
-    for (size_t done = 0; done < pixels; done += BLOCK) {
-        const size_t count = pixels - done < BLOCK ? pixels - done : BLOCK;
-        tides_status status = sensor->on ? step_block(&job, done, count) : step_ideal_block(&job, done, count);
-        if (status != TIDES_OK) {
-            undo(&job, before);
-            return status;
-        }
+    const tides_status status = sensor->additive.on || sensor->kick.on ? step_noisy(&job) : step_all(&job);
+    if (status != TIDES_OK) {
+        undo(&job, before);
+        return status;
     }
     if (!sensor->on) job.pixel.counts.cause[TIDES_CAUSE_SIGNAL] = job.pixel.counts.events_on + job.pixel.counts.events_off;
     add_counts(&work->counts, &job.pixel.counts);

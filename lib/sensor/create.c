@@ -130,7 +130,7 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, double leak, size
     td_shot_noise_begin(&sensor->noise, s, i, pixel);
     for (int k = 0; k < TD_NOISES && dead; k++)
         if (sensor->noise.due[k]) sensor->noise.due[k][i] = INFINITY;
-    if (sensor->number) sensor->number[i] = pixel;
+    if (sensor->segment.pixel) sensor->segment.pixel[i] = pixel;
     if (sensor->additive.on) {
         sensor->segment.number[i] = 0;
         sensor->segment.value[i] = 0;
@@ -166,13 +166,16 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
     if (sensor->additive.on) {
         sensor->segment.number = td_alloc(sensor->count, sizeof *sensor->segment.number, error);
         sensor->segment.value = td_alloc(sensor->count, sizeof *sensor->segment.value, error);
-        if (!sensor->segment.number || !sensor->segment.value) return TIDES_NO_MEMORY;
+        sensor->segment.ahead = td_alloc(sensor->count, sizeof *sensor->segment.ahead, error);
+        if (!sensor->segment.number || !sensor->segment.value || !sensor->segment.ahead) return TIDES_NO_MEMORY;
         if (sensor->additive.varies && !(sensor->segment.light = td_alloc(sensor->count, sizeof *sensor->segment.light, error)))
+            return TIDES_NO_MEMORY;
+        if (sensor->additive.varies && !(sensor->segment.now = td_alloc(sensor->count, sizeof *sensor->segment.now, error)))
             return TIDES_NO_MEMORY;
     }
     if (sensor->additive.on || sensor->kick.on) {
-        sensor->number = td_alloc(sensor->count, sizeof *sensor->number, error);
-        if (!sensor->number) return TIDES_NO_MEMORY;
+        sensor->segment.pixel = td_alloc(sensor->count, sizeof *sensor->segment.pixel, error);
+        if (!sensor->segment.pixel) return TIDES_NO_MEMORY;
     }
     int states = !sensor->frontend.on                            ? 0
                  : sensor->frontend.kind == TD_FRONTEND_CONSTANT ? 1
@@ -291,8 +294,10 @@ void td_sensor_release(td_sensor *sensor) {
     free(sensor->segment.number);
     free(sensor->segment.value);
     free(sensor->segment.light);
+    free(sensor->segment.ahead);
+    free(sensor->segment.now);
     free(sensor->additive.own);
-    free(sensor->number);
+    free(sensor->segment.pixel);
     td_shot_noise_release(&sensor->noise);
     td_kick_release(&sensor->kick);
     memset(sensor, 0, sizeof *sensor);

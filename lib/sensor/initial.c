@@ -46,7 +46,6 @@ static td_initial steady(const td_sensor *sensor, size_t i, double L) {
     const double leak = sensor->leak[i], on = sensor->threshold_on[i], held = sensor->refractory_ns;
     const int holds = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD;
     const double rate = noise_rate(sensor, i, L);
-    if (sensor->additive.on) return td_steady_noise(sensor, i, rate);
     const double climb = leak > 0 ? on / leak : INFINITY;
     if (!(leak > 0) && !(rate > 0)) return (td_initial){0, 0, 0};
     const double age = age_at(sensor->first.draw[i], held, holds ? climb : fmax(climb - held, 0), rate);
@@ -94,28 +93,68 @@ void td_sensor_refer(const td_sensor *sensor, size_t i, double L) {
 static void begin_noise(const td_sensor *sensor, size_t i, double L) {
     const double light = isfinite(L) ? L : 0;
     sensor->segment.number[i] = 0;
-    sensor->segment.value[i] = td_additive_noise_first(&sensor->additive, sensor->number[i], light);
+    sensor->segment.value[i] = td_additive_noise_first(&sensor->additive, sensor->segment.pixel[i], light);
     if (sensor->segment.light) sensor->segment.light[i] = light;
+    td_sensor_resume_noise(sensor, i);
+}
+
+/* Sets the pixel's filters and noise. Returns its signal. */
+static double rest(const td_sensor *sensor, size_t i, double L) {
+    double state[TD_FRONTEND_STATE] = {0}, signal = L;
+    if (sensor->frontend.on) signal = td_frontend_rest(&sensor->frontend, L, sensor->log_eps, state);
+    for (int k = 0; k < TD_FRONTEND_STATE; k++)
+        if (sensor->filtered.state[k]) sensor->filtered.state[k][i] = state[k];
+    if (sensor->filtered.error) sensor->filtered.error[i] = 0;
+    if (sensor->additive.on) begin_noise(sensor, i, L);
+    return signal;
+}
+
+/* The initial states of `count` pixels from number `first` on, whose additive noise at the run's start is `now`. */
+static void find_initial(const td_sensor *sensor, size_t first, int count, const double *L, const double *now,
+                         td_initial *initial) {
+    td_rested at[TD_RESTED_MAX];
+    td_initial found[TD_RESTED_MAX];
+    int of[TD_RESTED_MAX], some = 0;
+    const int is_steady = sensor->first.draw && sensor->additive.on && sensor->sensor.initial == TIDES_INITIAL_STEADY;
+    for (int k = 0; k < count; k++) {
+        const size_t i = first + (size_t)k;
+        const double on = td_sensor_threshold_on(sensor, i), off = td_sensor_threshold_off(sensor, i);
+        if (!is_steady || on >= TD_OUT_OF_REACH) {
+            initial[k] = td_sensor_initial(sensor, i, L[i]);
+            continue;
+        }
+        const td_noise_segment noise = td_sensor_noise_segment(sensor, i);
+        const int varies = sensor->additive.varies;
+        td_rested *one = &at[some];
+        *one = (td_rested){.i = i, .rate = noise_rate(sensor, i, L[i]), .begin = noise.begin, .now = now[k]};
+        one->sigma = varies ? noise.sigma : sensor->additive.sigma;
+        one->tau = varies ? noise.tau_ns : td_additive_noise_tau(&sensor->additive);
+        initial[k] = (td_initial){sensor->first.draw[i] * (on + off) - off, 0, 0};
+        if (one->sigma > 0) of[some++] = k;
+    }
+    if (some > 0) td_steady_noise(sensor, at, some, found);
+    for (int n = 0; n < some; n++) initial[of[n]] = found[n];
 }
 
 void td_sensor_begin(td_sensor *sensor, const double *L) {
     const td_pixels *pixels = &sensor->pixels;
-    for (size_t i = 0; i < sensor->count; i++) {
-        double state[TD_FRONTEND_STATE] = {0}, rest = L[i];
-        if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
-        for (int k = 0; k < TD_FRONTEND_STATE; k++)
-            if (sensor->filtered.state[k]) sensor->filtered.state[k][i] = state[k];
-        if (sensor->filtered.error) sensor->filtered.error[i] = 0;
-        if (sensor->additive.on) {
-            begin_noise(sensor, i, L[i]);
-            rest += td_sensor_noise_at(sensor, i, 0);
+    for (size_t first = 0; first < sensor->count; first += TD_RESTED_MAX) {
+        const int count = (int)(sensor->count - first < TD_RESTED_MAX ? sensor->count - first : TD_RESTED_MAX);
+        td_initial initial[TD_RESTED_MAX];
+        double signal[TD_RESTED_MAX], noise[TD_RESTED_MAX];
+        for (int k = 0; k < count; k++) {
+            signal[k] = rest(sensor, first + (size_t)k, L[first + (size_t)k]);
+            noise[k] = sensor->additive.on ? td_sensor_noise_at(sensor, first + (size_t)k, 0) : 0;
         }
-        const td_initial at = td_sensor_initial(sensor, i, L[i]);
-        pixels->initial[i] = pixels->reference[i] = rest - at.offset;
-        pixels->count_on[i] = pixels->count_off[i] = 0;
-        if (!sensor->first.draw || !sensor->on) continue;
-        sensor->since[i] = -at.age;
-        if (at.held > 0) sensor->held_until[i] = at.held;
-        td_sensor_set_wake(sensor, i);
+        find_initial(sensor, first, count, L, noise, initial);
+        for (int k = 0; k < count; k++) {
+            const size_t i = first + (size_t)k;
+            pixels->initial[i] = pixels->reference[i] = signal[k] + noise[k] - initial[k].offset;
+            pixels->count_on[i] = pixels->count_off[i] = 0;
+            if (!sensor->first.draw || !sensor->on) continue;
+            sensor->since[i] = -initial[k].age;
+            if (initial[k].held > 0) sensor->held_until[i] = initial[k].held;
+            td_sensor_set_wake(sensor, i);
+        }
     }
 }

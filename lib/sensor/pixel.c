@@ -90,7 +90,7 @@ static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (w->segment_until > s) return;
     while (sensor->additive.on && w->noise_until <= s && w->noise_until < 1) {
-        td_additive_noise_next_along(&sensor->additive, sensor->number[w->pixel->i],
+        td_additive_noise_next_along(&sensor->additive, sensor->segment.pixel[w->pixel->i],
                                      td_noise_light_of(&w->pixel->input, w->noise_until), &w->path, &w->segment);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
@@ -105,12 +105,17 @@ static void begin_segments(walk *w) {
     if (!sensor->additive.on && !sensor->kick.on) return;
     w->noisy = w->pixel->response;
     td_response_range(&w->pixel->response, &w->low, &w->high);
+    if (sensor->additive.on) {
+        w->low = td_greater(w->low, w->pixel->low);
+        w->high = td_lesser(w->high, w->pixel->high);
+    }
     begin_kicks(w);
     if (sensor->additive.on) {
         w->path = w->pixel->noise;
-        w->segment =
-            td_additive_noise_along(&sensor->additive, sensor->number[i], (uint64_t)sensor->segment.number[i],
-                                    sensor->segment.value[i], sensor->segment.light ? sensor->segment.light[i] : 0, &w->path);
+        w->segment = sensor->additive.varies
+                         ? td_sensor_noise_segment(sensor, i)
+                         : td_additive_noise_along(&sensor->additive, sensor->segment.pixel[i],
+                                                   (uint64_t)sensor->segment.number[i], sensor->segment.value[i], 0, &w->path);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     w->segment_until = fmin(w->noise_until, w->kick_until);
@@ -122,7 +127,7 @@ static double noise_at(const walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     const double kick = kick_at(w, s);
     if (!sensor->additive.on) return kick;
-    return kick + td_noise_value(&sensor->additive, sensor->number[w->pixel->i], &w->segment, time_at(w, s));
+    return kick + td_noise_value(&sensor->additive, sensor->segment.pixel[w->pixel->i], &w->segment, time_at(w, s));
 }
 
 /* 1: with any noise of the current segment, a response within [low, high] is between the levels. */
@@ -141,7 +146,7 @@ static int cross(walk *w, double from, double until, double *at) {
     if (!sensor->additive.on) return td_response_crossing(response, w->reference, w->on, w->off, from, until, at);
     if (stays_between(w, w->low, w->high)) return 0;
     const td_noise_search search = {&sensor->additive,
-                                    sensor->number[w->pixel->i],
+                                    sensor->segment.pixel[w->pixel->i],
                                     w->job->start,
                                     w->job->step->length_ns,
                                     response,
@@ -159,9 +164,7 @@ static void end_segments(walk *w) {
     const td_sensor *sensor = w->job->sensor;
     if (!sensor->additive.on) return;
     seek_segment(w, 1);
-    sensor->segment.number[w->pixel->i] = (double)w->segment.k;
-    sensor->segment.value[w->pixel->i] = w->segment.begin;
-    if (sensor->segment.light) sensor->segment.light[w->pixel->i] = w->segment.light;
+    td_sensor_put_segment(sensor, w->pixel->i, &w->segment);
 }
 
 /* The signal at the step's end, with noise and kicks. pixel->end is exact; the response may miss it by rounding. */
@@ -326,10 +329,15 @@ static void pass_masked(walk *w) {
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
+/* 1: the comparator found the segment's noise quiet, and the reference is the one that it knew. */
+static int is_quiet(const walk *w) {
+    return w->segment.k < w->pixel->quiet_before && w->reference == w->job->sensor->pixels.reference[w->pixel->i];
+}
+
 /* Passes over segments of the noise that can't reach a level, up to `end`. Returns where the walk's segment ends, or `end` if
  * that is earlier. */
 static double pass_quiet(walk *w, double end) {
-    while (w->segment_until < end && stays_between(w, w->low, w->high)) {
+    while (w->segment_until < end && (is_quiet(w) || stays_between(w, w->low, w->high))) {
         w->s = w->segment_until;
         seek_segment(w, w->s);
     }

@@ -8,14 +8,31 @@
 #include <math.h>
 
 td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel) {
-    const double light = sensor->segment.light ? sensor->segment.light[pixel] : 0;
-    return td_additive_noise_resume(&sensor->additive, sensor->number[pixel], (uint64_t)sensor->segment.number[pixel],
-                                    sensor->segment.value[pixel], light);
+    const uint64_t k = (uint64_t)sensor->segment.number[pixel];
+    const double value = sensor->segment.value[pixel], light = sensor->segment.light ? sensor->segment.light[pixel] : 0;
+    if (sensor->segment.now) return td_additive_noise_again(&sensor->additive, k, value, light, &sensor->segment.now[pixel]);
+    return td_additive_noise_resume(&sensor->additive, sensor->segment.pixel[pixel], k, value, light);
+}
+
+void td_sensor_put_segment(const td_sensor *sensor, size_t pixel, const td_noise_segment *segment) {
+    sensor->segment.number[pixel] = (double)segment->k;
+    sensor->segment.value[pixel] = segment->begin;
+    if (sensor->segment.light) sensor->segment.light[pixel] = segment->light;
+    if (sensor->segment.now) sensor->segment.now[pixel] = td_noise_now_of(segment);
+}
+
+void td_sensor_resume_noise(const td_sensor *sensor, size_t pixel) {
+    const uint64_t k = (uint64_t)sensor->segment.number[pixel];
+    const double value = sensor->segment.value[pixel], light = sensor->segment.light ? sensor->segment.light[pixel] : 0;
+    sensor->segment.ahead[pixel].until_ns = -INFINITY;
+    if (!sensor->segment.now) return;
+    const td_noise_segment segment = td_additive_noise_resume(&sensor->additive, sensor->segment.pixel[pixel], k, value, light);
+    sensor->segment.now[pixel] = td_noise_now_of(&segment);
 }
 
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
-    if (!sensor->number) return 0;
-    const uint32_t number = sensor->number[pixel];
+    if (!sensor->segment.pixel) return 0;
+    const uint32_t number = sensor->segment.pixel[pixel];
     const double kick =
         sensor->kick.on ? td_kick_at(&sensor->kick, (int32_t)(number / (uint32_t)sensor->image_width), time) : 0;
     if (!sensor->additive.on) return kick;
@@ -83,5 +100,6 @@ void td_sensor_resume(const td_sensor *sensor) {
                                                   p->initial[i], p->count_on[i], p->count_off[i])
                                 : p->initial[i];
         if (sensor->on) td_sensor_set_wake(sensor, i);
+        if (sensor->additive.on) td_sensor_resume_noise(sensor, i);
     }
 }

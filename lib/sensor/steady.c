@@ -1,13 +1,16 @@
 /* State of pixels with additive noise when a run begins at rest: first slow events by their rates, then the path of the
- * noise. */
+ * noise. Pixels go side by side; one that is finished makes room for the next. */
 #include "td_steady.h"
 #include "td_between.h"
+#include "td_extremes.h"
 #include "td_math.h"
+#include "td_wide.h"
 #include "sensor/noise/td_noise_bridge.h"
 #include "td_random.h"
 #include "td_sensor_parts.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double two_pi = 6.28318530717958647692;
 
@@ -15,7 +18,7 @@ static const double two_pi = 6.28318530717958647692;
  * periods of its leak. Rare events wear off slowly: after ten seconds an IMX636's pixels fire 2.8 times as often as after
  * minutes, in light of 100 lux. */
 static const double memory_ns = 1e10, longest_ns = 3e11, often = 32, periods = 10;
-enum { EVENTS_MAX = 512, PIECES_MAX = 1024, PATH = 48 };
+enum { EVENTS_MAX = 512, PIECES_MAX = 1024, PATH = 48, LANES = TD_RANDOM_LANES };
 
 /* Greatest way of the mean by the leak, in sigma, before hazards are computed again. */
 static const double drift_most = 0.25;
@@ -32,160 +35,262 @@ static double time_per_sigma(double z) {
 
 void td_steady_begin(td_sensor *sensor) {
     enum { PARTS = 16 };
+    float *log_h = sensor->first.log_passage;
     const double dz = 1.0 / (TD_PASSAGES_PER_SIGMA * PARTS);
     double time = 0;
-    sensor->first.log_passage[0] = INFINITY;
     for (int k = 1; k < TD_PASSAGES; k++) {
         for (int j = 0; j < PARTS; j++) {
             const double z = ((k - 1) * PARTS + j + 0.5) * dz;
             time += dz * time_per_sigma(z);
         }
-        sensor->first.log_passage[k] = -td_ln(time);
+        log_h[k] = (float)-td_ln(time);
     }
+    log_h[0] = log_h[1]; /* isn't used: hazards are those of half a sigma at least */
 }
 
-/* The hazard of a level u sigma away, per tau. Nearer than half a sigma it is that of half a sigma: such crossings belong to
- * the noise's path. */
-static double hazard_at(const td_sensor *sensor, double u) {
-    const double nearest = 0.5, place = fmax(u, nearest) * TD_PASSAGES_PER_SIGMA;
-    if (!(place < TD_PASSAGES - 1)) return 0;
-    const int k = (int)place;
-    const double *log_h = sensor->first.log_passage + k;
-    return td_exp(log_h[0] + (place - k) * (log_h[1] - log_h[0]));
-}
+/* Random numbers of a pixel: of slow events from 1 on, and of its path. */
+static const uint64_t path_from = (uint64_t)1 << 32, crossings_from = (uint64_t)2 << 32;
 
 /* -- slow events ----------------------------------------------------------------------------------------------------------- */
 
-typedef struct pixel {
-    const td_sensor *sensor;
-    double on, off, leak, held; /* [ns] */
-    double sigma, tau;
-    td_noise_move hold; /* of the noise through a hold */
-    double o, age;      /* mean above the reference [log units]; time since the last event [ns] */
-    uint32_t number;
-    uint64_t drawn;
-} pixel;
+/* Pixels side by side, in single precision: times in tau, values in sigma. */
+typedef struct lanes {
+    uint32_t number[LANES];
+    uint64_t drawn[LANES];
+    int pixel[LANES];  /* of the batch; -1: none */
+    int events[LANES]; /* at most EVENTS_MAX, */
+    int left_pieces[LANES];
+    float on[LANES], off[LANES], leak[LANES], rate[LANES], held[LANES];
+    float keeps[LANES], adds[LANES]; /* of the noise through a hold */
+    float follows[LANES];            /* 1: the reference follows the noise through a hold */
+    float most[LANES];               /* longest piece */
+    float o[LANES], age[LANES], left[LANES];
+    float fired[LANES]; /* in this piece */
+} lanes;
 
-static td_random_bits draw(pixel *p) { return td_random(p->sensor->sensor.seed, p->number, ++p->drawn, TD_RANDOM_INITIAL); }
-
-static int holds(const pixel *p) { return p->held > 0 && p->sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD; }
-
-/* The reference after a hold: the noise, which was `n` when the pixel fired, as it is at the end of the refractory period. */
-static void hold(pixel *p, double n, double normal) { p->o = -td_noise_moved(p->hold, n, normal); }
-
-/* An event: kind 1 ON, -1 OFF, 0 shot noise or a hot pixel, which re-references. */
-static void take(pixel *p, int kind) {
-    double normal[2];
-    const td_random_bits bits = draw(p);
-    td_random_normals(&bits, normal);
-    const double n = kind > 0 ? p->on - p->o : kind < 0 ? -p->off - p->o : p->sigma * normal[1];
-    if (holds(p) || kind == 0)
-        hold(p, n, normal[0]);
-    else
-        p->o -= kind > 0 ? p->on : -p->off;
-    p->age = p->held;
+/* e^x for x in [-87, 10], by Taylor's series. The first term that is left out is below 2^-25. */
+TD_WITHIN float short_exp(float x) {
+    const float rounds = 0x1.8p23f, shifted = x * 1.44269504f + rounds, k = shifted - rounds;
+    const float r = (x - k * 0.693145752f) - k * 1.42860677e-6f;
+    float p = 1.0f / 5040, power;
+    uint32_t bits, scale;
+    p = p * r + 1.0f / 720;
+    p = p * r + 1.0f / 120;
+    p = p * r + 1.0f / 24;
+    p = p * r + 1.0f / 6;
+    p = p * r + 0.5f;
+    power = 1 + (r + r * r * p);
+    memcpy(&bits, &power, sizeof bits);
+    memcpy(&scale, &shifted, sizeof scale);
+    bits += scale << 23;
+    memcpy(&power, &bits, sizeof power);
+    return power;
 }
 
-/* The rates of events ON and OFF by the noise [1/ns], with the mean at o. */
-static void rates_at(const pixel *p, double o, double *on, double *off) {
-    *on = hazard_at(p->sensor, (p->on - o) / p->sigma) / p->tau;
-    *off = hazard_at(p->sensor, (p->off + o) / p->sigma) / p->tau;
+/* The hazard of a level u sigma away, per tau. Nearer than half a sigma it is that of half a sigma: such crossings belong to
+ * the noise's path. Beyond the table, which ends at 8 sigma, it is that of the end: once in 1e14 tau. */
+TD_WITHIN float hazard_at(const float *log_h, float u) {
+    const float nearest = 0.5f, farthest = (float)(TD_PASSAGES - 1.001) / TD_PASSAGES_PER_SIGMA;
+    /* the greater of u and nearest, then the lesser: gcc makes branches of comparisons with constants here */
+    const float near = 0.5f * (u + nearest + fabsf(u - nearest)), within = 0.5f * (near + farthest - fabsf(near - farthest));
+    const float place = within * TD_PASSAGES_PER_SIGMA;
+    const int32_t k = (int32_t)place;
+    const float low = log_h[k];
+    return short_exp(low + (place - (float)k) * (log_h[k + 1] - low));
 }
 
-/* A time that doesn't depend on any event: one that ended with an event would favour events. */
-static double time_at_rest(const pixel *p, double rate) {
-    double on, off;
-    rates_at(p, 0, &on, &off);
-    const double most = p->leak > 0 ? fmin(periods * p->on / p->leak, longest_ns) : longest_ns;
-    return fmax(fmin(often / (on + off + rate), most), memory_ns);
+/* Advances all lanes to their next event, or by the longest piece. `q` is exponential, `word` gives the kind of the event, and
+ * the normals are for what the noise does. */
+TD_WIDE static void go(const float *restrict log_h, const float *restrict q, const uint32_t *restrict word,
+                       const float *restrict normal0, const float *restrict normal1, lanes *restrict l) {
+    for (int i = 0; i < LANES; i++) {
+        const float on = hazard_at(log_h, l->on[i] - l->o[i]), off = hazard_at(log_h, l->off[i] + l->o[i]);
+        const float all = on + off + l->rate[i], wait = q[i] / (all + 1e-37f);
+        const float most = l->most[i], left = l->left[i], longest = most < left ? most : left;
+        const float step = wait < longest ? wait : longest, fired = step == wait ? 1.0f : 0.0f, held = fired * l->held[i];
+        const float which = ((float)(int32_t)(word[i] >> 1) + 0.5f) * 0x1p-31f * all;
+        const float up = l->on[i], down = -l->off[i], rate = l->rate[i], law = l->follows[i];
+        const float level = which < on ? up : down, shot = which < on + off ? 0.0f : rate;
+        const float o = l->o[i] + l->leak[i] * step, thermal = normal1[i], reached = level - o;
+        const float n = shot > 0 ? thermal : reached, follows = shot > 0 ? 1.0f : law, dropped = o - level;
+        const float moved = -(l->keeps[i] * n + l->adds[i] * normal0[i]), after = follows > 0 ? moved : dropped;
+        const float age = l->age[i] + step;
+        l->o[i] = fired > 0 ? after : o;
+        l->age[i] = fired > 0 ? held : age;
+        l->left[i] = left - (step + held);
+        l->fired[i] = fired;
+    }
 }
 
-static void pass_slowly(pixel *p, double rate) {
-    double on, off, left = time_at_rest(p, rate);
-    for (int events = 0, pieces = 0; events < EVENTS_MAX && pieces < PIECES_MAX; pieces++) {
-        rates_at(p, p->o, &on, &off);
-        const double all = on + off + rate, most = p->leak > 0 ? drift_most * p->sigma / p->leak : INFINITY;
-        const td_random_bits bits = draw(p);
-        const double wait = all > 0 ? td_random_exponential(&bits, 0) / all : INFINITY;
-        const double step = fmin(wait, fmin(most, left));
-        if (!(step < INFINITY)) return;
-        p->o += p->leak * step;
-        p->age += step;
-        left -= step + (step == wait ? p->held : 0);
-        if (step == wait) {
-            const double which = td_random_uniform(&bits, 1) * all;
-            take(p, which < on ? 1 : which < on + off ? -1 : 0);
-            events++;
+static int holds(const td_sensor *sensor) {
+    return sensor->refractory_ns > 0 && sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD;
+}
+
+/* A time that doesn't depend on any event: one that ended with an event would favour events. [tau] */
+static double time_at_rest(const td_sensor *sensor, const lanes *l, int i, double tau) {
+    const float *log_h = sensor->first.log_passage;
+    const double rate = (double)(hazard_at(log_h, l->on[i]) + hazard_at(log_h, l->off[i]) + l->rate[i]);
+    const double limit = longest_ns / tau;
+    const double most = l->leak[i] > 0 ? fmin(periods * (double)(l->on[i] / l->leak[i]), limit) : limit;
+    return fmax(fmin(often / rate, most), memory_ns / tau);
+}
+
+static void load(const td_sensor *sensor, const td_rested *at, int pixel, lanes *l, int i) {
+    const double per_sigma = 1 / at->sigma, on = sensor->threshold_on[at->i], off = sensor->threshold_off[at->i];
+    const td_noise_move hold = td_noise_move_of(1, sensor->refractory_ns / at->tau);
+    l->pixel[i] = pixel;
+    l->number[i] = sensor->segment.pixel[at->i];
+    l->drawn[i] = 1;
+    l->events[i] = 0;
+    l->left_pieces[i] = PIECES_MAX;
+    l->on[i] = (float)(on * per_sigma);
+    l->off[i] = (float)(off * per_sigma);
+    l->leak[i] = (float)(sensor->leak[at->i] * at->tau * per_sigma);
+    l->rate[i] = (float)(at->rate * at->tau);
+    l->held[i] = (float)(sensor->refractory_ns / at->tau);
+    l->keeps[i] = (float)hold.keeps;
+    l->adds[i] = (float)hold.adds;
+    l->follows[i] = holds(sensor) ? 1.0f : 0.0f;
+    l->most[i] = l->leak[i] > 0 ? (float)drift_most / l->leak[i] : INFINITY;
+    l->o[i] = (float)((sensor->first.draw[at->i] * (on + off) - off) * per_sigma);
+    l->age[i] = 0;
+    l->left[i] = (float)time_at_rest(sensor, l, i, at->tau);
+}
+
+/* Passes the batch's pixels through their slow events. */
+static void pass_slowly(const td_sensor *sensor, td_rested *at, int count) {
+    lanes l;
+    float normal[4][LANES], q[2][LANES];
+    td_random_lanes bits;
+    int next = 0, busy = 0;
+    memset(&l, 0, sizeof l);
+    for (int i = 0; i < LANES; i++) {
+        if (next == count) l.pixel[i] = -1;
+        if (next < count) load(sensor, &at[next], next, &l, i), next++, busy++;
+    }
+    while (busy > 0) {
+        td_random_many(sensor->sensor.seed, l.number, l.drawn, TD_RANDOM_INITIAL, &bits);
+        td_random_short_exponentials_many(&bits, q);
+        td_random_short_normals_many(&bits, normal);
+        go(sensor->first.log_passage, q[0], bits.word[1], normal[2], normal[3], &l);
+        for (int i = 0; i < LANES; i++) {
+            l.drawn[i]++;
+            l.events[i] += l.fired[i] > 0;
+            if (l.pixel[i] < 0 || (l.left[i] > 0 && l.events[i] < EVENTS_MAX && --l.left_pieces[i] > 0)) continue;
+            td_rested *done = &at[l.pixel[i]];
+            done->o = (double)l.o[i] * done->sigma;
+            done->age = (double)l.age[i] * done->tau;
+            l.pixel[i] = -1;
+            busy--;
+            if (next < count) load(sensor, &at[next], next, &l, i), next++, busy++;
         }
-        if (!(left > 0)) return;
     }
 }
 
 /* -- the noise's path ------------------------------------------------------------------------------------------------------ */
 
+/* A pixel on the path of the noise. */
+typedef struct walker {
+    double on, off, leak, held; /* [ns] */
+    int holds;
+    double o, age; /* mean above the reference [log units]; time since the last event [ns] */
+    double until;  /* it is held so long [ns] */
+} walker;
+
+/* 1, -1 or 0: the level that is reached between values a and b, `variance` being that of their bridge. Only parts near a level
+ * draw their extremes. */
+static int reached(const td_sensor *sensor, const walker *p, uint32_t number, int k, double a, double b, double variance) {
+    const double change = b - a, middle = p->o + 0.5 * (a + b);
+    double w[2];
+    w[0] = w[1] = sqrt(change * change + 2 * variance * TD_NOISE_Q_MAX);
+    if (!(middle + 0.5 * w[0] >= p->on) && !(middle - 0.5 * w[1] <= -p->off)) return 0;
+    const td_random_bits bits = td_random(sensor->sensor.seed, number, crossings_from + (uint64_t)k, TD_RANDOM_INITIAL);
+    for (int i = 0; i < 2; i++) {
+        const double q = td_lesser(td_random_short_exponential(&bits, i), TD_NOISE_Q_MAX);
+        w[i] = sqrt(change * change + 2 * variance * q);
+    }
+    return middle + 0.5 * w[0] >= p->on ? 1 : middle - 0.5 * w[1] <= -p->off ? -1 : 0;
+}
+
 /* Events between values a and b, `dt` apart: one at most, where the bridge's extreme is beyond a level. A held pixel waits. */
-static void cross(pixel *p, double a, double b, double dt, double variance, double *until) {
-    const td_random_bits bits = draw(p);
-    const double change = b - a;
+static void cross(const td_sensor *sensor, walker *p, uint32_t number, int k, double a, double b, double dt, double variance) {
     p->o += p->leak * dt;
     p->age += dt;
-    if (*until > 0) {
-        *until -= dt;
-        if (*until <= 0 && holds(p)) p->o = -b;
+    if (p->until > 0) {
+        p->until -= dt;
+        if (p->until <= 0 && p->holds) p->o = -b;
         return;
     }
-    const double w0 = sqrt(change * change + 2 * variance * td_random_exponential(&bits, 0));
-    const double w1 = sqrt(change * change + 2 * variance * td_random_exponential(&bits, 1));
-    const int up = p->o + 0.5 * (a + b + w0) >= p->on, down = p->o + 0.5 * (a + b - w1) <= -p->off;
-    if (!up && !down) return;
-    p->o -= up ? p->on : -p->off;
+    const int polarity = reached(sensor, p, number, k, a, b, variance);
+    if (polarity == 0) return;
+    p->o -= polarity > 0 ? p->on : -p->off;
     p->age = 0;
-    if (p->held < dt && holds(p)) p->o = -b; /* the value at the part's end stands for that at the hold's */
-    *until = p->held < dt ? 0 : p->held;
+    if (p->held < dt && p->holds) p->o = -b; /* the value at the part's end stands for that at the hold's */
+    p->until = p->held < dt ? 0 : p->held;
 }
 
 /* Fires the pixel while its signal is beyond a level at the run's start. */
-static void settle(pixel *p, double n) {
+static void settle(walker *p, double n) {
     while (p->o + n >= p->on || p->o + n <= -p->off) {
         const int up = p->o + n >= p->on;
         p->o -= up ? p->on : -p->off;
-        if (holds(p)) p->o = -n;
+        if (p->holds) p->o = -n;
         p->age = 0;
     }
 }
 
-static double follow_path(pixel *p, double now, double first, double spacing) {
-    double x[PATH + 1], normal[2] = {0, 0}, until = 0;
-    const double l = spacing / p->tau;
-    const td_noise_move move = td_noise_move_of(p->sigma, l);
-    const double less = -td_expm1(-l), variance = 4 * p->sigma * p->sigma * less / (2 - less); /* tanh(l / 2) */
-    x[0] = first;
-    for (int k = 0; k < PATH; k++) { /* a stationary process is the same backwards in time */
-        const td_random_bits bits = draw(p);
-        td_random_normals(&bits, normal);
-        x[k + 1] = td_noise_moved(move, x[k], normal[0]);
-    }
-    settle(p, x[PATH]);
-    for (int k = PATH; k > 0; k--) cross(p, x[k], x[k - 1], spacing, variance, &until);
-    if (!(until > 0)) settle(p, now);
-    return fmax(until, 0);
+/* A pixel's events on its path, x[k LANES] from PATH to 0. */
+static td_initial follow_path(const td_sensor *sensor, const td_rested *at, const double *x) {
+    const double spacing = at->tau / 8, less = -td_expm1(-1.0 / 8);
+    const double variance = 4 * at->sigma * at->sigma * less / (2 - less); /* tanh(l / 2) */
+    const uint32_t number = sensor->segment.pixel[at->i];
+    walker p = {.on = sensor->threshold_on[at->i],
+                .off = sensor->threshold_off[at->i],
+                .leak = sensor->leak[at->i],
+                .held = sensor->refractory_ns,
+                .holds = holds(sensor),
+                .o = at->o,
+                .age = at->age};
+    settle(&p, x[PATH * LANES]);
+    for (int k = PATH; k > 0; k--) cross(sensor, &p, number, k, x[k * LANES], x[(k - 1) * LANES], spacing, variance);
+    if (!(p.until > 0)) settle(&p, at->now);
+    return (td_initial){p.o + at->now, p.age, fmax(p.until, 0)};
 }
 
-td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate) {
-    const td_noise_segment at = td_sensor_noise_segment(sensor, i);
-    const td_additive_noise *noise = &sensor->additive;
-    pixel p = {.sensor = sensor, .number = sensor->number[i]};
-    p.on = sensor->threshold_on[i];
-    p.off = sensor->threshold_off[i];
-    p.leak = sensor->leak[i];
-    p.held = sensor->refractory_ns;
-    p.sigma = noise->varies ? at.sigma : noise->sigma;
-    p.tau = noise->varies ? at.tau_ns : td_additive_noise_tau(noise);
-    p.o = sensor->first.draw[i] * (p.on + p.off) - p.off;
-    if (!(p.sigma > 0)) return (td_initial){p.o, 0, 0};
-    p.hold = td_noise_move_of(p.sigma, p.held / p.tau);
-    const double now = td_sensor_noise_at(sensor, i, 0);
-    pass_slowly(&p, rate);
-    const double held = follow_path(&p, now, at.begin, p.tau / 8);
-    return (td_initial){p.o + now, p.age, held};
+TD_WIDE static void move_on(double keeps, const double *restrict adds, const double *restrict from,
+                            const float *restrict normal, double *restrict to) {
+    for (int i = 0; i < LANES; i++) to[i] = keeps * from[i] + adds[i] * (double)normal[i];
+}
+
+/* Draws paths of up to LANES pixels backwards from their first value: a stationary process is the same backwards in time. */
+static void draw_paths(const td_sensor *sensor, const td_rested *at, int count, double x[(PATH + 1) * LANES]) {
+    const td_noise_move move = td_noise_move_of(1, 1.0 / 8);
+    uint32_t number[LANES];
+    uint64_t index[LANES];
+    double adds[LANES];
+    for (int i = 0; i < LANES; i++) {
+        const td_rested *one = &at[i < count ? i : 0];
+        number[i] = sensor->segment.pixel[one->i];
+        index[i] = path_from;
+        adds[i] = one->sigma * move.adds;
+        x[i] = one->begin;
+    }
+    for (int k = 0; k < PATH; k += 4) {
+        float normal[4][LANES];
+        td_random_lanes bits;
+        td_random_many(sensor->sensor.seed, number, index, TD_RANDOM_INITIAL, &bits);
+        td_random_short_normals_many(&bits, normal);
+        for (int n = 0; n < 4; n++) move_on(move.keeps, adds, x + (k + n) * LANES, normal[n], x + (k + n + 1) * LANES);
+        for (int i = 0; i < LANES; i++) index[i]++;
+    }
+}
+
+void td_steady_noise(const td_sensor *sensor, td_rested *at, int count, td_initial *initial) {
+    double x[(PATH + 1) * LANES];
+    pass_slowly(sensor, at, count);
+    for (int first = 0; first < count; first += LANES) {
+        const int some = count - first < LANES ? count - first : LANES;
+        draw_paths(sensor, at + first, some, x);
+        for (int i = 0; i < some; i++) initial[first + i] = follow_path(sensor, &at[first + i], x + i);
+    }
 }

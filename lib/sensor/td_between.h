@@ -54,6 +54,12 @@ static inline double td_reference_at(double on, double off, double initial, doub
 /* The segment of the additive noise that contains the time reached. */
 td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel);
 
+/* Makes that the pixel's segment. */
+void td_sensor_put_segment(const td_sensor *sensor, size_t pixel, const td_noise_segment *segment);
+
+/* Computes what follows from the pixel's segment. */
+void td_sensor_resume_noise(const td_sensor *sensor, size_t pixel);
+
 /* The sum of additive noise and kicks at a time [ns since the run's start], not before the time reached; 0 without them. */
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);
 

@@ -39,6 +39,8 @@ typedef struct td_pixel_step {
     td_response response;            /* S_eff */
     double end;                      /* S_eff at the step's end, which the response may miss by rounding */
     td_noise_path noise;             /* of additive noise, or none */
+    double low, high;                /* bounds of `response`, of additive noise only */
+    uint64_t quiet_before;           /* before this segment the noise takes the signal to no level of the first reference */
     double visible_from, visible_to; /* s between which it is visible; 2 and 2: nowhere */
 } td_pixel_step;
 

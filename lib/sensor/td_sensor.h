@@ -47,6 +47,11 @@ typedef struct td_pixels {
     uint32_t *count_off; /* n_off  (count) */
 } td_pixels;
 
+/* Bounds of a pixel's additive noise from the time reached up to `until_ns`. */
+typedef struct td_noise_ahead {
+    double low, high, until_ns;
+} td_noise_ahead;
+
 /* An array of values that pixels carry from step to step. */
 typedef struct td_carried {
     const char *name;   /* in checkpoints; NULL: not saved, since it follows from the rest */
@@ -83,7 +88,7 @@ typedef struct td_sensor {
     uint64_t maps_checksum; /* of the file of maps; 0: there was none */
     struct {
         double *draw; /* (count) in (0, 1): places the first reference between the levels; NULL: at the signal */
-        double log_passage[TD_PASSAGES]; /* logarithms of hazards h(u) of additive noise, for `draw` */
+        float log_passage[TD_PASSAGES]; /* logarithms of hazards h(u) of additive noise, for `draw` */
     } first;
     td_frontend frontend;
     struct {
@@ -96,8 +101,10 @@ typedef struct td_sensor {
     struct {
         double *number, *value; /* additive noise's segment at the time reached: its number, value at its begin [log units], */
         double *light;          /* and log-luminance there, of noise that depends on light */
+        uint32_t *pixel;        /* the pixel's number in the image, for additive noise and kicks */
+        td_noise_ahead *ahead;  /* these follow from the others: td_sensor_resume */
+        td_noise_now *now;      /* of noise that varies */
     } segment;
-    uint32_t *number; /* the pixel's number in the image, for additive noise */
     struct {
         td_carried row[TD_CARRIED_MAX];
         int count;

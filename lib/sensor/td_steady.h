@@ -20,9 +20,18 @@
 #include "td_sensor.h"
 #include "td_sensor_parts.h"
 
-/* A random initial state of a pixel whose noise at the run's start is given, and whose shot noise and hot events have the rate
- * `rate` [1/ns]. */
-td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate);
+/* A pixel that has been at rest. */
+typedef struct td_rested {
+    size_t i;          /* its number in the sensor */
+    double rate;       /* of its shot noise and hot events [1/ns] */
+    double sigma, tau; /* of its noise; sigma > 0; tau [ns] */
+    double begin, now; /* the noise's value where its first segment begins, and at the run's start */
+    double o, age;     /* results of a part of the work */
+} td_rested;
+
+/* Random initial states of pixels whose noise at the run's start is given. */
+enum { TD_RESTED_MAX = 1024 };
+void td_steady_noise(const td_sensor *sensor, td_rested *at, int count, td_initial *initial);
 
 /* Fills sensor->first.log_passage, the table of ln h(u). */
 void td_steady_begin(td_sensor *sensor);

@@ -50,6 +50,7 @@ typedef struct td_parameters {
     double interpolates; /* moving Gaussians' rows are interpolated up to this error [thresholds]; 0: not */
     tides_risk risk;
     int mode, local, slope; /* TIDES_STEPPING_*; each unit has its own steps; TIDES_SLOPE_* */
+    int coupled;            /* a pixel's signal depends on all others': run/surround_steps.c compares them together */
     int unit;               /* TIDES_UNIT_* */
     int outputs;            /* planes that each sample renders; risk, a mask and the readout need diagnostics */
     int sample_planes;      /* of these, those that are kept: TD_PLANES_SIGNAL or TD_PLANES_ALL */
@@ -100,7 +101,7 @@ struct tides_simulator {
     double length; /* [s] of the run */
     td_grid grid;  /* where steps begin and end */
     td_sensor sensor;
-    td_surround_steps surround; /* in use where the sensor has a surround */
+    td_surround_steps surround; /* in use where pixels are coupled */
     td_run_readout readout;     /* in use where a readout is attached */
     td_run_filters filters;     /* behind the readout or the pixels */
 
@@ -128,6 +129,11 @@ static inline void td_turn_samples(tides_simulator *simulator) {
     td_sample passed = simulator->now;
     simulator->now = simulator->next;
     simulator->next = passed;
+}
+
+/* S of every pixel at the time reached, behind the surround where pixels are coupled: (pixels). */
+static inline const double *td_seen_now(const tides_simulator *simulator) {
+    return simulator->given.coupled ? simulator->surround.S : simulator->now.plane[TD_PLANE_S];
 }
 
 /* Largest risk score of a unit's pixels, from planes of TD_OUT_DIAGNOSTICS. */

@@ -34,13 +34,19 @@ typedef struct td_solve_portion {
     int is_cut;      /* 1: there were more of them */
     size_t fired;    /* number of events of this macro step */
     uint64_t events; /* events found by look-ups */
+    struct td_solve_begins {
+        size_t looked, pixel, point, refer;
+    } at; /* where its results begin among the run's */
 } td_solve_portion;
+typedef struct td_solve_begins td_solve_begins;
 void td_solve_batch_release(td_solve_batch *batch);
 void td_solve_portion_clear(td_solve_portion *portion);
 void td_solve_portion_release(td_solve_portion *portion);
 
-/* Joins a portion's results to the run's. */
-TIDES_MUST_CHECK tides_status td_solve_join(tides_simulator *s, const td_solve_portion *portion, tides_error *error);
+/* Joins a portion's results to the run's: portion after portion gets its places, and then each is put there, in any order and
+ * by any thread. */
+TIDES_MUST_CHECK tides_status td_solve_place(tides_simulator *s, td_solve_portion *portion, tides_error *error);
+void td_solve_join(tides_simulator *s, const td_solve_portion *portion);
 
 /* td_solve_sample offers a settled event to the measurement, and sets its `order`. td_solve_cut keeps the events to be
  * measured, TD_CHOSEN_MOST at most (chosen.c). */

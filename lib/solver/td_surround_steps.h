@@ -1,5 +1,7 @@
-/* Internal: the simulator's centre-surround. All pixels belong together in it, so that all tiles have the same steps, and the
- * comparator sees each step in the surround's pieces.
+/* Internal: the simulator's centre-surround, and all that the solver asks it. All pixels belong together in it, so that all
+ * tiles have the same steps, and the comparator sees each step in the surround's pieces. Step control, which doesn't know the
+ * surround, goes by td_parameters.coupled. Without a surround the functions below do
+ * nothing.
  *
  * The photoreceptor's low-pass comes after the surround here, and before it in the eye. Where the filter is constant and equal
  * for all pixels, both are linear, and the order makes no difference. Other photoreceptors are refused. */
@@ -26,11 +28,8 @@ void td_surround_steps_release(td_surround_steps *steps);
 void td_surround_steps_begin(struct tides_simulator *s);
 void td_surround_steps_resume(struct tides_simulator *s);
 
-/* Stores S and h at the time reached, which macro steps end with. */
-void td_surround_steps_note(struct tides_simulator *s);
-
-/* Runs the comparator over the step of all tiles from s->now, at `start`, to s->next, at `stop`. `which` (tiles; nullable) are
- * the refined steps of the tiles. */
+/* For coupled pixels alone: runs the comparator over the step of all tiles from s->now, at `start`, to s->next, at `stop`.
+ * `which` (tiles; nullable) are the refined steps of the tiles. */
 tides_status td_surround_compare(struct tides_simulator *s, double start, double stop, const int32_t *which,
                                  tides_error *error);
 

@@ -1010,8 +1010,9 @@ class tides_path(Structure):
     double field_of_view_x; /* [rad] if the file gives one (Blender and D-NeRF give it without a width), else 0 */
     char format[32]; /* "tides", "transforms", "camera_path", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff",
     "nerfies" */
-    int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
-    the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
+    int32_t distorted; /* 1: the file's lens is no tides_lens, or differs from frame to frame. Runs then want camera.lens.
+    Focal lengths are the file's. Those of COLMAP's FOV are multiplied by the lens's magnification
+    at its axis */
     int32_t untimed; /* 1: the file has several poses without times; they are spread over options.duration */
     int32_t varied; /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
     int32_t framed; /* 1: dataparser_transforms.json was applied */

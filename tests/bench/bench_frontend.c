@@ -30,7 +30,7 @@ static void make_pixels(const td_frontend *frontend, double rise) {
                  now = {{L, L + first, L + change - last, L + change}};
         td_response response;
         td_frontend_rest(frontend, L - change, LOG_EPS, state[i]);
-        td_frontend_step(frontend, H, &before, LOG_EPS, state[i], &response);
+        td_frontend_step(frontend, H, &before, LOG_EPS, state[i], &response, NULL);
         S[i] = state[i][0];
         for (int k = 0; k < 4; k++) control[k][i] = now.control[k];
     }
@@ -47,7 +47,7 @@ static void bench(const char *name, const td_frontend *frontend, double rise, in
             double memory[TD_FRONTEND_STATE] = {state[i][0], state[i][1], state[i][2], state[i][3]}, from = 0;
             double reference = memory[0];
             td_response response;
-            td_frontend_step(frontend, H, &input, LOG_EPS, memory, &response);
+            td_frontend_step(frontend, H, &input, LOG_EPS, memory, &response, NULL);
             substeps += response.source.frontend != NULL;
             for (int polarity; cross && (polarity = td_response_crossing(&response, reference, 0.2, 0.2, from, 1, &from)) != 0;
                  events++)

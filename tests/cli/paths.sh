@@ -26,17 +26,17 @@ expect 0 tides info nerf.json
 out "^format +camera_path"
 expect 0 tides simulate run.json -o nerf.h5 --set camera.file=nerf.json --set camera.width=null --set camera.height=null --set camera.fx=null
 
-# A lens that none here is like: every command that would have to ignore it says so, and what to set.
+# A lens that no lens of TIDES equals: each command that would ignore it fails, and names the key to set.
 cat >bent.json <<-JSON
 	{ "camera_model": "OPENCV", "w": 48, "h": 36, "fl_x": 50, "fl_y": 50, "cx": 24, "cy": 18, "k1": 0.1, "k2": 0, "k3": 0.3, "k4": 0.2, "p1": 0, "p2": 0,
 	  "frames": [ { "file_path": "a", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]] },
 	              { "file_path": "b", "transform_matrix": [[1,0,0,0.1],[0,1,0,0],[0,0,1,0],[0,0,0,1]] } ] }
 	JSON
 bent="--set camera.file=bent.json --set camera.fx=null --set time.stop=0.02"
-refuse 1 "bent.json bends lines as no lens here does.*camera.lens: none" tides simulate run.json -o bent.h5 $bent
-refuse 1 "bends lines" tides render run.json -o bent.exr $bent
-refuse 1 "bends lines" tides frames run.json -o bent $bent
-refuse 1 "bends lines" tides dataset run.json -o bent --layout ecd $bent
+refuse 1 "the lens of .*bent.json is no lens of TIDES.*camera.lens: none" tides simulate run.json -o bent.h5 $bent
+refuse 1 "no lens of TIDES" tides render run.json -o bent.exr $bent
+refuse 1 "no lens of TIDES" tides frames run.json -o bent $bent
+refuse 1 "no lens of TIDES" tides dataset run.json -o bent --layout ecd $bent
 expect 0 tides render run.json -qo bent.exr $bent --set camera.lens=none
 
 # What a run's reader may not expect of a path is said once, a line each, and in info: order, times, units, leaps.

@@ -118,6 +118,7 @@ def colmap():
     camera = struct.pack("<Q2I2Q4d", 1, 1, 1, 640, 480, 500, 500, 320, 240)
     image = struct.pack("<QI7dI", 1, 1, 1, 0, 0, 0, 1, 2, 3, 1) + b"a\0" + struct.pack("<Q2dq", 1, 5, 6, -1)
     write("fuzz_colmap", "cameras_text", b"0# comment\n1 OPENCV 640 480 500 500 320 240 0.1 0 0 0\n")
+    write("fuzz_colmap", "cameras_fov", b"0" b"1 FOV 640 480 500 500 320 240 0.9\n")
     write("fuzz_colmap", "cameras_binary", b"1" + camera)
     write("fuzz_colmap", "images_text", b"2# comment\n1 1 0 0 0 1 2 3 1 a.png\n1 2 3\n2 0 1 0 0 1 2 3 1 b.png\n\n")
     write("fuzz_colmap", "images_binary", b"3" + image)

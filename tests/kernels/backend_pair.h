@@ -209,6 +209,7 @@ static inline td_batch pair_batch(const backend_pair *pair, const td_job *jobs, 
                       0,
                       NULL,
                       pair->alone ? NULL : &pair->groups,
+                      NULL,
                       NULL};
     return batch;
 }

@@ -1,5 +1,6 @@
-/* The structs that host and device share have equal sizes and offsets on both, in single precision: those reported by
- * kernels/layout_check.cl against sizeof and offsetof. */
+/* Tests the layout of structs that host and device share, in single precision. kernels/layout_check.cl reports the sizes of
+ * td_view, td_backdrop, td_job and td_image and four offsets on the device. The first test compares them with sizeof and
+ * offsetof. The second checks the numbers of reals and ints in td_backend.h. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -23,7 +24,7 @@ static const int expected[NUMBERS] = {(int)sizeof(td_view),
 static const char *const names[NUMBERS] = {"sizeof(td_view)", "sizeof(td_backdrop)", "sizeof(td_job)",   "sizeof(td_image)",
                                            "td_view.eye_dot", "td_image.width",      "td_image.outputs", "td_job.blocks"};
 
-/* What the device answers; `numbers` are -1 where it wrote nothing. */
+/* Runs td_layout_check on the device, and reads its numbers. A number that the kernel doesn't write is -1. */
 static tides_status ask(tides_device *device, int *numbers, tides_error *error) {
     td_buffer out = {0};
     cl_kernel kernel = NULL;
@@ -58,8 +59,9 @@ static void test_device_sees_the_hosts_layout(void **state) {
         if (numbers[i] != expected[i]) fail_msg("%s: %d on the device, %d on the host", names[i], numbers[i], expected[i]);
 }
 
-/* Backends copy structs as plain rows of numbers: no padding, and as many as td_backend.h says. */
-static void test_structs_are_rows_of_numbers(void **state) {
+/* Backends copy these structs as arrays of numbers. So the compiler must insert no padding, and td_backend.h must have their
+ * numbers of reals and ints, members called `padding` included. The enums of records and planes must end at their counts. */
+static void test_structs_are_arrays_of_numbers(void **state) {
     (void)state;
     assert_int_equal(sizeof(td_view), TD_VIEW_REALS * sizeof(td_real));
     assert_int_equal(sizeof(td_backdrop), TD_BACKDROP_REALS * sizeof(td_real));
@@ -73,6 +75,6 @@ static void test_structs_are_rows_of_numbers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_device_sees_the_hosts_layout),
-                                       cmocka_unit_test(test_structs_are_rows_of_numbers)};
+                                       cmocka_unit_test(test_structs_are_arrays_of_numbers)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

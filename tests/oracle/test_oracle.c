@@ -89,14 +89,16 @@ static void test_few_are_lost(void **state) {
 }
 
 /* Scenes that failed once. Swaps within one body that a turning camera makes: one late event each, not counted as uncertain.
- * Many swaps in steps as short as min_step_s, in which no sample showed that a level was near: events 570 and 281 ns late, with
- * a reported p99 of 4 ns. Swaps of splats that keyframes move: a wrong pixel each, not counted. A cubic that passed a level
- * beyond a clamp of colour, where its tangents met beside its end (lamps 205). A swap that hid a turn after a look in either
- * half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights 403). At
- * srgb, a splat that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it again,
- * where the event was found 0.4 ms late (fade 301). An object that leaps: the oracle's samples missed two events of splats
- * that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a step, short of
- * which a crossing was sought in vain (taper 404). */
+ * Many swaps in steps as short as min_step_s, in which no sample showed that a level was near: events 570 and 281 ns late,
+ * with a reported p99 of 4 ns. Swaps of splats that keyframes move: a wrong pixel each, not counted. A cubic that passed a
+ * level beyond a clamp of colour, where its tangents met beside its end (lamps 205). A swap that hid a turn after a look in
+ * either half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights
+ * 403). At srgb, a splat that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it
+ * again, where the event was found 0.4 ms late (fade 301). An object that leaps: the oracle's samples missed a pair of events
+ * of splats that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a
+ * step, short of which a crossing was sought in vain (taper 404), and turns below a level (taper 1111). Swaps within a body,
+ * and of keyframed splats, of 5 to 25 % of a step (stack 102, stops 1108). A taper of opacity that splats pass within 80 us
+ * while they fade at the near plane (near 402). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;
@@ -108,7 +110,8 @@ static void test_mended(void **state) {
                   {"leap", 111, 0.25, 100, 0},  {"stops", 105, 0.25, 700, 0}, {"stops", 203, 0.3, 800, 0},
                   {"stops", 205, 0.3, 100, 0},  {"lamps", 205, 0.3, 1000, 0}, {"spin", 401, 1, 1000, 0},
                   {"spin", 211, 0.3, 30, 0},    {"lights", 403, 1, 1000, 0},  {"fade", 301, 0.3, 200, 1},
-                  {"leap", 704, 1, 20000, 0},   {"taper", 404, 1, 90000, 0}};
+                  {"leap", 704, 1, 20000, 0},   {"taper", 404, 1, 90000, 0},  {"taper", 1111, 1, 90000, 0},
+                  {"stack", 102, 0.25, 300, 0}, {"stops", 1108, 1, 7000, 0},  {"near", 402, 1, 70000, 0}};
     (void)state;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         trial_options options = trial_defaults();

@@ -71,7 +71,7 @@ static void put(batch *b, int i, double S, double y, double y_dot, double z) {
 static void walk(const td_frontend *frontend, double h, const batch *b, int i, double state[STATES], td_response *response) {
     const td_model input = {{b->control[0][i], b->control[1][i], b->control[2][i], b->control[3][i]}};
     for (int s = 0; s < STATES; s++) state[s] = b->state[s][i];
-    td_frontend_step(frontend, h, &input, LOG_EPS, state, response);
+    td_frontend_step(frontend, h, &input, LOG_EPS, state, response, NULL);
 }
 
 /* What the walk is given; more takes it minutes. */

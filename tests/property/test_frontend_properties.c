@@ -73,7 +73,7 @@ static void follows_the_equations(void **state) {
             td_response response;
             double s = uniform(0, 1);
             long double within[4] = {exact[0], exact[1], exact[2], exact[3]};
-            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response);
+            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response, NULL);
             long double there = oracle_advance(&sensor, h, &input, LOG_EPS, s, 0.003, within);
             long double after = oracle_advance(&sensor, h, &input, LOG_EPS, 1, 0.003, exact);
             worst[trial % 3] = fmax(worst[trial % 3], (double)fabsl(td_response_value(&response, s) - there));
@@ -102,7 +102,7 @@ static void crosses_when_the_equations_do(void **state) {
         td_model input = {{L, L + 0.2 * rise, L + 0.7 * rise, L + rise}};
         td_response response;
         double reference = td_frontend_rest(&frontend, L, LOG_EPS, memory);
-        td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response);
+        td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response, NULL);
         for (int polarity; (polarity = td_response_crossing(&response, reference, 0.02, 0.02, from, 1, &s)) != 0;) {
             long double exact[4] = {L, L, 0, L};
             reference += 0.02 * polarity;
@@ -151,9 +151,9 @@ static void cutting_a_step_changes_nothing(void **state) {
         td_model input = random_input(L), left, right;
         td_response response, first, second;
         split(&input, at, &left, &right);
-        td_frontend_step(&frontend, h, &input, LOG_EPS, whole, &response);
-        td_frontend_step(&frontend, at * h, &left, LOG_EPS, parts, &first);
-        td_frontend_step(&frontend, (1 - at) * h, &right, LOG_EPS, parts, &second);
+        td_frontend_step(&frontend, h, &input, LOG_EPS, whole, &response, NULL);
+        td_frontend_step(&frontend, at * h, &left, LOG_EPS, parts, &first, NULL);
+        td_frontend_step(&frontend, (1 - at) * h, &right, LOG_EPS, parts, &second, NULL);
         for (int i = 0; i <= 4; i++) {
             double u = i / 4.0, a = td_response_value(&response, at * u), b = td_response_value(&response, at + (1 - at) * u);
             if (!(fabs(a - td_response_value(&first, u)) <= bound) || !(fabs(b - td_response_value(&second, u)) <= bound))
@@ -175,7 +175,7 @@ static td_response random_path(int trial, td_frontend *frontend, tides_sensor *s
         *frontend = make(sensor);
         td_model input = random_input(L);
         td_frontend_rest(frontend, L + uniform(-1, 1), LOG_EPS, memory);
-        td_frontend_step(frontend, any_power(1e-5, 1e-2), &input, LOG_EPS, memory, &response);
+        td_frontend_step(frontend, any_power(1e-5, 1e-2), &input, LOG_EPS, memory, &response, NULL);
         double ramp = uniform(-0.05, 0.05) * (trial % 4 == 1); /* a leak's */
         for (int i = 0; i < 4; i++) response.cubic.control[i] += ramp * (i / 3.0);
         return response;
@@ -343,7 +343,7 @@ static void many_pixels_are_like_one(void **state) {
             td_model input = {{control[0][i], control[1][i], control[2][i], control[3][i]}};
             double memory[TD_FRONTEND_STATE] = {S[i], S[i], 0, S[i]};
             td_response response;
-            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response);
+            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response, NULL);
             one[i] = memory[0];
             assert_int_equal(td_model_is_finite(&input), low[i] <= high[i]);
             for (int k = 0; k <= 32 && low[i] <= high[i]; k++) {
@@ -398,7 +398,7 @@ static void many_pixels_in_the_light_are_like_one(void **state) {
                 continue;
             }
             done++;
-            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response);
+            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response, NULL);
             assert_true(fabs(memory[0] - after[i]) <= TD_FRONTEND_TOLERANCE);
             assert_true(fabs(td_response_value(&response, 1) - memory[0]) <= 1e-12 * (1 + fabs(memory[0])));
             for (int k = 0; k <= 32; k++) {

@@ -54,7 +54,7 @@ static td_model model_of(const batch *b, int i) {
 static double walk(const td_frontend *frontend, double h, const batch *b, int i, td_response *response) {
     double state[TD_FRONTEND_STATE] = {b->S[i], b->S[i], 0, b->S[i]};
     const td_model input = model_of(b, i);
-    td_frontend_step(frontend, h, &input, LOG_EPS, state, response);
+    td_frontend_step(frontend, h, &input, LOG_EPS, state, response, NULL);
     return state[0];
 }
 

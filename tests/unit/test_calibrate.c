@@ -123,6 +123,63 @@ static void so_is_one_with_spread_and_a_refractory_period(void **state) {
     tides_calibration_free(&found);
 }
 
+/* A pair that ends with a noise event is off by anything up to two thresholds, and mustn't lead the fit. Every fourth event
+ * here is noise, and nothing tells its rate. With a clip of 1.5 threshold_on is 2.2 % low. */
+static void noise_moves_nothing(void **state) {
+    const char *const sets[] = {plain[0], plain[1], plain[2], plain[3], "frontend.shot_noise_hz=12"};
+    const uint64_t noisy = record(*state, "n.h5", sets, 5), clean = record(*state, "c.h5", sets, 4);
+    print_message("%llu and %llu events\n", (unsigned long long)noisy, (unsigned long long)clean);
+    assert_true(4 * (noisy - clean) > clean);
+    tides_calibration found = calibrated(*state, "n.h5", NULL);
+    assert_int_equal(found.refused, 0);
+    near_to(&found, TIDES_CALIBRATED_ON, 0.2, 0.004);
+    near_to(&found, TIDES_CALIBRATED_OFF, 0.16, 0.0032);
+    near_to(&found, TIDES_CALIBRATED_EPS, 0.03, 0.002);
+    near_to(&found, TIDES_CALIBRATED_POLE, 0.003, 0.0002);
+    tides_calibration_free(&found);
+}
+
+/* Frames of the world, and what the recording is by their light. */
+static tides_calibration by_frames(void *folder, const char *name, const char *const *sets, size_t count) {
+    tides_error error = {0, ""};
+    char file[300];
+    tides_calibrate_options options;
+    tides_calibration found;
+    tides_session *session = opened(folder, sets, count);
+    scene_expect_ok(tides_session_frames(session, scene_in_folder(folder, name), NULL, NULL, NULL, &error), &error);
+    tides_session_close(session);
+    snprintf(file, sizeof file, "frames.file=%s", scene_in_folder(folder, name));
+    const char *light[] = {file};
+    scene_file_write(scene_in_folder(folder, "empty.json"), "{}", 2);
+    scene_expect_ok(tides_session_load(scene_in_folder(folder, "empty.json"), light, 1, NULL, &session, &error), &error);
+    tides_calibrate_options_defaults(&options);
+    scene_expect_ok(tides_calibrate(scene_in_folder(folder, "e.h5"), session, &options, NULL, NULL, &found, &error), &error);
+    tides_session_close(session);
+    return found;
+}
+
+/* Frames don't say what light does between them. Error bars say how much that is: fewer frames have wider ones, and all truths
+ * are within two. With straight lines between 100 frames a second, thresholds are 5.6 % low, and the pole is 1.65 ms. */
+static void frames_say_how_little_they_tell(void **state) {
+    static const char *const dense[] = {"exposure.frames_per_second=200", "exposure.exposure_s=0.00125"};
+    static const char *const sparse[] = {"exposure.frames_per_second=100", "exposure.exposure_s=0.0025"};
+    static const double truth[] = {0.2, 0.16, 0, 0.03, 0.003, 0};
+    tides_calibration found = by_frames(*state, "f200", dense, 2), fewer = by_frames(*state, "f100", sparse, 2);
+    assert_int_equal(found.refused + fewer.refused, 0);
+    near_to(&found, TIDES_CALIBRATED_ON, 0.2, 0.006);
+    near_to(&found, TIDES_CALIBRATED_OFF, 0.16, 0.0048);
+    for (int32_t i = 0; i <= TIDES_CALIBRATED_REFRACTORY; i++) {
+        near_to(&found, i, truth[i], 2 * found.values[i].error);
+        near_to(&fewer, i, truth[i], 2 * fewer.values[i].error);
+    }
+    near_to(&fewer, TIDES_CALIBRATED_ON, 0.2, 0.008);
+    near_to(&fewer, TIDES_CALIBRATED_OFF, 0.16, 0.0064);
+    near_to(&fewer, TIDES_CALIBRATED_POLE, 0.003, 0.0003);
+    for (int32_t i = 0; i < 2; i++) assert_true(fewer.values[i].error > found.values[i].error);
+    tides_calibration_free(&found);
+    tides_calibration_free(&fewer);
+}
+
 /* The preset is read as one, and has what was measured. */
 static void it_becomes_a_preset(void **state) {
     tides_error error = {0, ""};
@@ -388,7 +445,16 @@ static void what_cant_be_is_said(void **state) {
                        "outside|20x30");
     options.given[TIDES_CALIBRATED_ON] = 0.2;
     scene_expect_error(tides_calibrate(file, session, &options, NULL, NULL, &found, &error), TIDES_BAD_ARGUMENT, &error,
-                       "measured");
+                       "threshold_on|measured");
+    options.given[TIDES_CALIBRATED_ON] = NAN;
+    options.given[TIDES_CALIBRATED_REFRACTORY] = -1;
+    scene_expect_error(tides_calibrate(file, session, &options, NULL, NULL, &found, &error), TIDES_BAD_ARGUMENT, &error,
+                       "given refractory_s is -1; it must be finite and not negative");
+    options.given[TIDES_CALIBRATED_REFRACTORY] = NAN;
+    options.given[TIDES_CALIBRATED_OFFSET] = -INFINITY;
+    scene_expect_error(tides_calibrate(file, session, &options, NULL, NULL, &found, &error), TIDES_BAD_ARGUMENT, &error,
+                       "given offset_s is -inf; it must be finite");
+    assert_null(strstr(error.text, "negative"));
     options.size = 4;
     scene_expect_error(tides_calibrate(file, session, &options, NULL, NULL, &found, &error), TIDES_BAD_ARGUMENT, &error,
                        "defaults");
@@ -407,6 +473,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sensor_is_found_again),
         cmocka_unit_test(so_is_one_with_spread_and_a_refractory_period),
+        cmocka_unit_test(noise_moves_nothing),
+        cmocka_unit_test(frames_say_how_little_they_tell),
         cmocka_unit_test(it_becomes_a_preset),
         cmocka_unit_test(what_is_given_stays),
         cmocka_unit_test(wrong_recordings_are_known),

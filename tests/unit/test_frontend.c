@@ -67,7 +67,7 @@ static void ramps(void **state) {
         double memory[TD_FRONTEND_STATE];
         td_response response;
         td_frontend_rest(&frontend, 0, LOG_EPS, memory);
-        td_frontend_step(&frontend, h, &ramp, LOG_EPS, memory, &response);
+        td_frontend_step(&frontend, h, &ramp, LOG_EPS, memory, &response, NULL);
         for (int i = 1; i <= 16; i++) {
             double s = i / 16.0, found;
             long double S = s * ramp_share((long double)lambda * s);
@@ -91,7 +91,7 @@ static void steps(void **state) {
         td_model one = {{1, 1, 1, 1}};
         td_response response;
         td_frontend_rest(&frontend, 0, LOG_EPS, memory);
-        td_frontend_step(&frontend, h, &one, LOG_EPS, memory, &response);
+        td_frontend_step(&frontend, h, &one, LOG_EPS, memory, &response, NULL);
         for (double level = 0.03125; level < 1; level += 0.03125) {
             long double s = -log1pl(-level) / lambda;
             int polarity = td_response_crossing(&response, 0, level, 1, 0, 1, &found);
@@ -131,7 +131,7 @@ static void check_wave(const td_frontend *frontend, const wave *w, double h, int
     for (int k = 0; k < count; k++) {
         double L0 = wave_input(w, k * h, &dot0), L1 = wave_input(w, (k + 1) * h, &dot1), from = 0;
         td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, L0, dot0, L1, dot1);
-        td_frontend_step(frontend, h, &model, LOG_EPS, memory, &response);
+        td_frontend_step(frontend, h, &model, LOG_EPS, memory, &response, NULL);
         if (k == skip) reference = td_response_value(&response, 0);
         for (int polarity;
              k >= skip && (polarity = td_response_crossing(&response, reference, threshold, threshold, from, 1, &s)) != 0;) {
@@ -217,7 +217,7 @@ static void steps_through_the_circuit(void **state) {
             for (int k = 0; k < cuts; k++) {
                 td_response response;
                 double from = 0;
-                td_frontend_step(&frontend, h, &one, LOG_EPS, memory, &response);
+                td_frontend_step(&frontend, h, &one, LOG_EPS, memory, &response, NULL);
                 for (int polarity;
                      (polarity = td_response_crossing(&response, reference, threshold, threshold, from, 1, &s)) != 0;) {
                     reference += polarity * threshold;
@@ -285,7 +285,7 @@ static void poles_that_meet(void **state) {
         td_model one = {{1, 1, 1, 1}};
         td_response response;
         td_frontend_rest(&frontend, 0, LOG_EPS, memory);
-        td_frontend_step(&frontend, 0.02, &one, LOG_EPS, memory, &response);
+        td_frontend_step(&frontend, 0.02, &one, LOG_EPS, memory, &response, NULL);
         for (double s = 0; s <= 1; s += 0.015625)
             assert_close(td_response_value(&response, s), step_response(pole, count, 0.02L * s), 1e-6L, "poles that meet",
                          i + s);
@@ -311,7 +311,7 @@ static void the_intensity_law_has_its_corner_where_it_says(void **state) {
                 td_model_fit(TIDES_MODEL_HERMITE, h, bias + amplitude * sin(corner * t), amplitude * corner * cos(corner * t),
                              bias + amplitude * sin(corner * (t + h)), amplitude * corner * cos(corner * (t + h)));
             td_response response;
-            td_frontend_step(&frontend, h, &L, LOG_EPS, memory, &response);
+            td_frontend_step(&frontend, h, &L, LOG_EPS, memory, &response, NULL);
             for (int j = 0; k > 600 && j < 8; j++) {
                 high = fmax(high, td_response_value(&response, j / 8.0));
                 low = fmin(low, td_response_value(&response, j / 8.0));
@@ -332,7 +332,7 @@ static void off_is_the_cubic_itself(void **state) {
     double memory[TD_FRONTEND_STATE];
     assert_int_equal(frontend.on, 0);
     assert_true(td_frontend_rest(&frontend, 0.5, LOG_EPS, memory) == 0.5);
-    td_frontend_step(&frontend, 1e-3, &model, LOG_EPS, memory, &response);
+    td_frontend_step(&frontend, 1e-3, &model, LOG_EPS, memory, &response, NULL);
     assert_int_equal(response.modes, 0);
     assert_memory_equal(&response.cubic, &model, sizeof model);
 }
@@ -391,17 +391,17 @@ static void an_input_that_is_no_number_waits(void **state) {
         double memory[TD_FRONTEND_STATE], kept[TD_FRONTEND_STATE], s;
         td_response response;
         td_frontend_rest(&frontend, NAN, LOG_EPS, memory);
-        td_frontend_step(&frontend, 1e-3, &good, LOG_EPS, memory, &response);
+        td_frontend_step(&frontend, 1e-3, &good, LOG_EPS, memory, &response, NULL);
         assert_close(td_response_value(&response, 0), 0.5, 1e-15L, "rest", i);
         assert_true(memory[0] > 0.5 && memory[0] < 0.85);
         memcpy(kept, memory, sizeof kept);
-        td_frontend_step(&frontend, 1e-3, &bad, LOG_EPS, memory, &response);
+        td_frontend_step(&frontend, 1e-3, &bad, LOG_EPS, memory, &response, NULL);
         assert_memory_equal(kept, memory, sizeof kept);
         assert_true(isnan(td_response_value(&response, 0.5)));
         assert_int_equal(td_response_crossing(&response, 0, 0.1, 0.1, 0, 1, &s), 0);
-        td_frontend_step(&frontend, 1e-3, &good, LOG_EPS, memory, &response);
+        td_frontend_step(&frontend, 1e-3, &good, LOG_EPS, memory, &response, NULL);
         assert_close(td_response_value(&response, 0), kept[0], 1e-15L, "the state after NaN", i);
-        td_frontend_step(&frontend, 1e-3, &bright, LOG_EPS, memory, &response);
+        td_frontend_step(&frontend, 1e-3, &bright, LOG_EPS, memory, &response, NULL);
         td_response_crossing(&response, 0, 0.1, 0.1, 0, 1, &s);
     }
 }

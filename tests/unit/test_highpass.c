@@ -49,7 +49,7 @@ static void test_against_integration(void **state) {
             const double to = from + sin(3.7 * k + (double)r);
             const td_model L = {{from, from + 0.7, to - 0.4, to}};
             td_response response;
-            td_frontend_step(&frontend, h, &L, 1e-3, states, &response);
+            td_frontend_step(&frontend, h, &L, 1e-3, states, &response, NULL);
             integrate(&L, h, two_pi * rates[r][0], two_pi * rates[r][1], &S, &z);
             const int meet = fabs(rates[r][0] - rates[r][1]) < 1e-3 * rates[r][0]; /* such are moved by a millionth */
             if (fabs(states[0] - (S - z)) > (meet ? 1e-6 : 1e-10))
@@ -76,10 +76,10 @@ static void test_cut(void **state) {
         const td_frontend frontend = make(rates[r][0], rates[r][1], &sensor);
         double whole[TD_FRONTEND_STATE] = {0.3, -0.8}, cut[TD_FRONTEND_STATE] = {0.3, -0.8};
         td_response response, piece;
-        td_frontend_step(&frontend, 0.02, &L, 1e-3, whole, &response);
+        td_frontend_step(&frontend, 0.02, &L, 1e-3, whole, &response, NULL);
         for (int k = 0; k < 7; k++) {
             const td_model m = part(&L, k / 7.0, (k + 1) / 7.0);
-            td_frontend_step(&frontend, 0.02 / 7, &m, 1e-3, cut, &piece);
+            td_frontend_step(&frontend, 0.02 / 7, &m, 1e-3, cut, &piece, NULL);
             assert_true(fabs(cut[0] - td_response_value(&response, (k + 1) / 7.0)) < 1e-12);
         }
         assert_true(fabs(cut[1] - whole[1]) < 1e-12);

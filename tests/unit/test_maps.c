@@ -73,7 +73,7 @@ static void expect_sizes(const char *file) {
         with.noise_sigma = without.noise_sigma = 0.1 * spread;
         rig *a = rig_make(&with, TILES, 0, still, NULL), *b = rig_make(&without, TILES, 0, still, NULL);
         for (size_t k = 0; k < a->pixels; k++) {
-            const uint32_t i = a->sensor.number[k];
+            const uint32_t i = a->sensor.segment.pixel[k];
             const double own = td_sensor_noise_segment(&a->sensor, k).own;
             const double drawn = td_sensor_noise_segment(&b->sensor, k).own;
             assert_true(own == (i % 7 == 3 ? drawn : value_of(TD_MAP_SIZE, (int)i)));

@@ -105,16 +105,17 @@ static void colmap_refused(void **state) {
         {"3 PINHOLE 10 8 5 6 7 8\n", "1 2 0 0 0 0 0 0 3 a\n\n", TIDES_BAD_FILE,
          "line 1: the quaternion's length is 2|QW QX QY QZ"},
         {"3 PINHOLE 10 8 5 6 7 8\n", "1 1 0 0 0 nan 0 0 3 a\n", TIDES_BAD_FILE, "images.txt"},
-        {"3 PINHOLE 10 8 5 6 7\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "cameras.txt:1: PINHOLE needs 4 numbers"},
-        {"3 PINHOLE 10 8 5 6 7 8 9\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "cameras.txt:1: PINHOLE needs 4 numbers"},
+        {"3 PINHOLE 10 8 5 6 7\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "cameras.txt:1: PINHOLE needs exactly 4 numbers"},
+        {"3 PINHOLE 10 8 5 6 7 8 9\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "cameras.txt:1: PINHOLE needs exactly 4 numbers"},
         {"3 PINHOLES 10 8 5 6 7 8\n", "1 " LEVEL " 3 a\n\n", TIDES_UNSUPPORTED,
-         "cameras.txt:1: unknown camera model \"PINHOLES\""},
-        {"# c\n3.5 PINHOLE 10 8 5 6 7 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "cameras.txt:2: must be ID MODEL"},
-        {"3 PINHOLE 0 8 5 6 7 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "camera 3: its size, 0 x 8"},
-        {"3 PINHOLE 10 1e10 5 6 7 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "camera 3: its size, 10 x 1e+10"},
-        {"3 PINHOLE 10 8 5 -6 7 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "parameter 2 of its PINHOLE is -6|above 0"},
-        {"3 PINHOLE 10 8 5 6 inf 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "parameter 3 of its PINHOLE is inf"},
-        {"3 PINHOLE 1 1 1 1 1 1\n3 PINHOLE 1 1 1 1 1 1\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "camera 3 is there twice"},
+         "cameras.txt:1: unknown camera model \"PINHOLES\"; TIDES reads COLMAP's models SIMPLE_PINHOLE to THIN_PRISM_FISHEYE"},
+        {"# c\n3.5 PINHOLE 10 8 5 6 7 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "cameras.txt:2: a camera is ID MODEL"},
+        {"3 PINHOLE 0 8 5 6 7 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "camera 3: 0 x 8 pixels"},
+        {"3 PINHOLE 10 1e10 5 6 7 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "camera 3: 10 x 1e+10 pixels|to 2147483647"},
+        {"3 PINHOLE 10 8 5 -6 7 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "parameter 2 of its model PINHOLE is -6|above 0"},
+        {"3 PINHOLE 10 8 5 6 inf 8\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "parameter 3 of its model PINHOLE is inf"},
+        {"3 FOV 10 8 5 6 7 8 3.2\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "parameter 5 of its model FOV is 3.2|radians"},
+        {"3 PINHOLE 1 1 1 1 1 1\n3 PINHOLE 1 1 1 1 1 1\n", "1 " LEVEL " 3 a\n\n", TIDES_BAD_FILE, "two cameras have the id 3"},
     };
     char file[4200];
     snprintf(file, sizeof file, "%s", scene_in_folder(*state, "images.txt"));
@@ -175,9 +176,13 @@ static void colmap_binary(void **state) {
     assert_int_equal(path.intrinsics.lens.model, TIDES_LENS_RADTAN);
     assert_true(path.intrinsics.lens.k1 == 0.01);
     tides_trajectory_destroy(path.trajectory);
+    enum { IMAGE = 4 + 56 + 4 + 2 + 8 }; /* bytes of the first image, which has no points */
     for (size_t size = 1; size < images.size; size++) {
+        const char *place = size < 8           ? "images.bin: ends within the number"
+                            : size < 8 + IMAGE ? "images.bin: ends within image 1 of 2"
+                                               : "images.bin: ends within image 2 of 2";
         scene_file_write(file, images.data, size);
-        expect_refused(file, TIDES_BAD_FILE, "images.bin: ends within");
+        expect_refused(file, TIDES_BAD_FILE, place);
     }
     static const size_t lies[] = {0, 4, 8 + 4 + 56 + 4 + 2}; /* counts of images and of points */
     for (size_t k = 0; k < 3; k++) {
@@ -189,19 +194,20 @@ static void colmap_binary(void **state) {
     }
     scene_file_write(file, images.data, images.size);
     for (size_t size = 1; size < cameras.size; size++) {
+        const char *place = size < 8 ? "cameras.bin: ends within the number" : "cameras.bin: ends within camera 1 of 1";
         scene_file_write(beside, cameras.data, size);
-        expect_refused(file, TIDES_BAD_FILE, "cameras.bin: ends within");
-        expect_refused(beside, TIDES_BAD_FILE, "cameras.bin: ends within");
+        expect_refused(file, TIDES_BAD_FILE, place);
+        expect_refused(beside, TIDES_BAD_FILE, place);
     }
     splat_patch(&cameras, 12, 11);
     scene_file_write(beside, cameras.data, cameras.size);
-    expect_refused(file, TIDES_UNSUPPORTED, "camera 0 has the unknown model 11");
+    expect_refused(file, TIDES_UNSUPPORTED, "camera 9 (number 1 of 1) has the unknown model 11; TIDES reads models 0 to 10");
     splat_patch(&images, 8 + 4, 0);
     splat_patch(&images, 8 + 8, 0x7ff80000); /* a NaN */
     splat_patch(&cameras, 12, 2);
     scene_file_write(beside, cameras.data, cameras.size);
     scene_file_write(file, images.data, images.size);
-    expect_refused(file, TIDES_BAD_FILE, "images[0]: its pose must be finite");
+    expect_refused(file, TIDES_BAD_FILE, "images[0]: the pose has a number that isn't finite");
     free(images.data);
     free(cameras.data);
 }

@@ -64,7 +64,7 @@ static void models(void **state) {
          0,
          {RADTAN, .k1 = .1, .k2 = .2, .p1 = .3, .p2 = .4, .k3 = .5}},
         {"FULL_OPENCV 10 8 5 6 7 8 0 0 0 0 0 0 0 1", {10, 8, 5, 6, 7, 8}, 1, {0}},
-        {"FOV 10 8 5 6 7 8 0.9", {10, 8, 5, 6, 7, 8}, 1, {0}},
+        {"FOV 10 8 5 6 7 8 0", {10, 8, 5, 6, 7, 8}, 0, {0}},
         {"SIMPLE_RADIAL_FISHEYE 10 8 5 6 7 .1", {10, 8, 5, 5, 6, 7}, 0, {EQUIDISTANT, .k1 = .1}},
         {"RADIAL_FISHEYE 10 8 5 6 7 .1 .2", {10, 8, 5, 5, 6, 7}, 0, {EQUIDISTANT, .k1 = .1, .k2 = .2}},
         {"THIN_PRISM_FISHEYE 10 8 5 6 7 8 .1 .2 0 0 .3 .4 0 0",
@@ -84,6 +84,29 @@ static void models(void **state) {
         intrinsics_are(&path, cases[i].intrinsics);
         assert_int_equal(path.distorted, cases[i].distorted);
         lens_is(&path, &cases[i].lens);
+        tides_trajectory_destroy(path.trajectory);
+    }
+}
+
+/* A FOV lens becomes the pinhole that agrees with it at its axis. COLMAP's formula for the radius of a ray's image is evaluated
+ * 1e-7 beside the axis, where it differs from the pinhole's by less than 4e-11 of itself. */
+static void fov_at_its_axis(void **state) {
+    static const double omegas[] = {1e-9, 0.01, 0.9, -0.9, 2.5, 3.1}, beside = 1e-7;
+    char file[4200];
+    snprintf(file, sizeof file, "%s", scene_in_folder(*state, "images.txt"));
+    write_text(file, "1 1 0 0 0 0 0 0 3 a.png\n\n");
+    for (size_t i = 0; i < sizeof omegas / sizeof *omegas; i++) {
+        const double radius = atan(beside * 2 * tan(omegas[i] / 2)) / omegas[i], scale = radius / beside;
+        char line[128];
+        snprintf(line, sizeof line, "3 FOV 10 8 5 6 7 8 %.17g\n", omegas[i]);
+        write_text(scene_in_folder(*state, "cameras.txt"), line);
+        tides_path path = load(file);
+        const tides_intrinsics *is = &path.intrinsics;
+        assert_int_equal(path.distorted, 1);
+        assert_int_equal(is->lens.model, TIDES_LENS_NONE);
+        if (!(fabs(is->fx / 5 - scale) <= 1e-10 * scale && fabs(is->fy / 6 - scale) <= 1e-10 * scale))
+            fail_msg("omega %g: scales are %.12g and %.12g, and not %.12g", omegas[i], is->fx / 5, is->fy / 6, scale);
+        assert_true(is->cx == 7 && is->cy == 8);
         tides_trajectory_destroy(path.trajectory);
     }
 }
@@ -119,7 +142,13 @@ static void lenses(void **state) {
          "distortion_model: equidistant\ndistortion_coefficients: [0.1, 0.2, 0.3, 0.4]\n",
          0,
          {EQUIDISTANT, .k1 = .1, .k2 = .2, .k3 = .3, .k4 = .4}},
+        {"sensor.yaml",
+         "distortion_model: radial-tangential\ndistortion_coefficients: [0.1, 0.2, 0.3, 0.4, 0.5]\n",
+         0,
+         {RADTAN, .k1 = .1, .k2 = .2, .p1 = .3, .p2 = .4, .k3 = .5}},
         {"sensor.yaml", "distortion_model: fov\ndistortion_coefficients: [0.9, 0, 0, 0]\n", 1, {.model = 0}},
+        {"sensor.yaml", "distortion_model: fov\ndistortion_coefficients: [0.9]\n", 1, {.model = 0}},
+        {"sensor.yaml", "distortion_model: fov\ndistortion_coefficients: [0]\n", 0, {.model = 0}},
         {"a.json",
          "\"radial_distortion\": [0.1, 0.2, 0.3], \"tangential_distortion\": [0.4, 0.5]",
          0,
@@ -147,7 +176,7 @@ static void lenses(void **state) {
     }
 }
 
-/* What differs from frame to frame is no lens. */
+/* A lens that differs from frame to frame is none. */
 static void lenses_that_differ(void **state) {
     write_text(scene_in_folder(*state, "transforms.json"),
                "{\"frames\": [{\"k1\": 0.1, \"transform_matrix\": [[1,0,0,1],[0,-1,0,2],[0,0,-1,3]]},"
@@ -161,6 +190,7 @@ static void lenses_that_differ(void **state) {
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_setup, scene_folder_teardown)
 
 int main(void) {
-    const struct CMUnitTest tests[] = {IN_FOLDER(models), IN_FOLDER(lenses), IN_FOLDER(lenses_that_differ)};
+    const struct CMUnitTest tests[] = {IN_FOLDER(models), IN_FOLDER(fov_at_its_axis), IN_FOLDER(lenses),
+                                       IN_FOLDER(lenses_that_differ)};
     return cmocka_run_group_tests_name("path_lenses", tests, NULL, NULL);
 }

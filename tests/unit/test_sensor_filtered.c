@@ -128,7 +128,7 @@ static void test_tile_is_its_pixels(void **state) {
                 td_model input = td_model_fit(TIDES_MODEL_HERMITE, step.length_s, now[i], rate[i], next[i], next_rate[i]);
                 double memory[TD_FRONTEND_STATE] = {S[i], S[i], 0, S[i]};
                 td_response response;
-                td_frontend_step(&r->sensor.frontend, step.length_s, &input, 1e-3, memory, &response);
+                td_frontend_step(&r->sensor.frontend, step.length_s, &input, 1e-3, memory, &response, NULL);
                 S[i] = memory[0];
             }
             assert_memory_equal(S, r->sensor.filtered.state[0], sizeof S);

@@ -66,8 +66,8 @@ static void test_kept(void **state) {
         td_kept_substeps kept;
         td_frontend_rest(&frontend, L, LOG_EPS, memory[0]);
         memcpy(memory[1], memory[0], sizeof memory[1]);
-        td_frontend_step_keeping(&frontend, h, &input, LOG_EPS, memory[0], &response[0], &kept);
-        td_frontend_step(&frontend, h, &input, LOG_EPS, memory[1], &response[1]);
+        td_frontend_step(&frontend, h, &input, LOG_EPS, memory[0], &response[0], &kept);
+        td_frontend_step(&frontend, h, &input, LOG_EPS, memory[1], &response[1], NULL);
         assert_memory_equal(memory[0], memory[1], sizeof memory[0]);
         if (response[0].source.frontend) {
             fit += response[0].source.kept != NULL;

@@ -62,6 +62,8 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, 
     noise->threshold = fmin(sensor->threshold_on, sensor->threshold_off);
     noise->spacing_ns = tau_ns / segments_per_tau;
     noise->move = td_noise_move_of(noise->sigma, 1 / segments_per_tau);
+    noise->usual_ns = tau_ns;
+    noise->usual_move = td_noise_move_of(1, noise->spacing_ns / tau_ns);
     td_noise_bridge_make(noise, noise->spacing_ns * segments_per_tau, noise->threshold);
     if (noise->varies) noise->reach = 0; /* td_additive_noise_sweep includes it in its bounds */
     return TIDES_OK;
@@ -83,10 +85,11 @@ static double origin_of(const td_additive_noise *noise, uint32_t pixel) {
     return -td_random_uniform(&bits, 0) * noise->spacing_ns;
 }
 
-/* Draws the block of normals that contains n(k). */
+/* Draws the block of normals that contains n(k). Noise that varies draws half of it: it seldom needs another soon. */
 static void draw_block(const td_additive_noise *noise, uint32_t pixel, uint64_t k, float normal[TD_NOISE_BLOCK]) {
     const td_random_bits bits = td_random(noise->seed, pixel, 1 + k / TD_NOISE_BLOCK, TD_RANDOM_NOISE);
-    for (int half = 0; half < 2; half++) td_random_short_normals(&bits, half, normal + 2 * half);
+    for (int half = 0; half < 2; half++)
+        if (!noise->varies || half == (int)(k % TD_NOISE_BLOCK / 2)) td_random_short_normals(&bits, half, normal + 2 * half);
 }
 
 static double end_of_segment(const td_additive_noise *noise, double origin_ns, double k) {
@@ -119,9 +122,11 @@ static void finish(const td_additive_noise *noise, td_noise_segment *segment) {
     segment->to_ns = end_of_segment(noise, segment->origin_ns, (double)segment->k);
     if (noise->varies) {
         size_of(noise, segment->own, segment->light, &segment->sigma, &segment->tau_ns);
-        const double l = noise->spacing_ns / segment->tau_ns;
-        segment->reach = td_noise_reach(segment->sigma, l);
-        segment->end = td_noise_moved(td_noise_move_of(segment->sigma, l), segment->begin, normal);
+        segment->reach = td_noise_reach(noise, segment->sigma, segment->tau_ns);
+        td_noise_move move = noise->usual_move;
+        if (segment->tau_ns != noise->usual_ns) move = td_noise_move_of(1, noise->spacing_ns / segment->tau_ns);
+        move.adds *= segment->sigma;
+        segment->end = td_noise_moved(move, segment->begin, normal);
     } else {
         segment->reach = noise->reach;
         segment->end = td_noise_moved(noise->move, segment->begin, normal);
@@ -140,6 +145,20 @@ td_noise_segment td_additive_noise_resume(const td_additive_noise *noise, uint32
     return segment;
 }
 
+td_noise_segment td_additive_noise_again(const td_additive_noise *noise, uint64_t k, double value, double light,
+                                         const td_noise_now *now) {
+    td_noise_segment segment = {.k = k, .begin = value, .light = light};
+    segment.origin_ns = now->origin_ns;
+    segment.own = now->own;
+    segment.sigma = now->sigma;
+    segment.tau_ns = now->tau_ns;
+    segment.reach = now->reach;
+    segment.end = now->end;
+    segment.from_ns = segment.origin_ns + (double)k * noise->spacing_ns;
+    segment.to_ns = end_of_segment(noise, segment.origin_ns, (double)k);
+    return segment;
+}
+
 double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel, double light) {
     float normal[TD_NOISE_BLOCK];
     double sigma, tau_ns;
@@ -152,7 +171,7 @@ void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, doub
     segment->k++;
     segment->begin = segment->end;
     if (isfinite(light)) segment->light = light;
-    if ((segment->k + 1) % TD_NOISE_BLOCK == 0) draw_block(noise, pixel, segment->k + 1, segment->normal);
+    if ((segment->k + 1) % TD_NOISE_BLOCK == 0 || noise->varies) draw_block(noise, pixel, segment->k + 1, segment->normal);
     finish(noise, segment);
 }
 
@@ -268,19 +287,22 @@ static void sweep_lanes(const td_additive_noise *noise, double start_ns, double 
 static void sweep_varying(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
                           size_t count, const td_noise_sweep *sweep) {
     for (size_t i = 0; i < count; i++) {
-        td_noise_segment at =
-            td_additive_noise_resume(noise, pixel[i], (uint64_t)sweep->segment[i], sweep->value[i], sweep->light[i]);
+        td_noise_few *few = &sweep->at[i];
+        td_noise_segment *at = &few->segment[0];
         double low = INFINITY, high = -INFINITY;
-        for (;;) {
-            low = fmin(low, fmin(at.begin, at.end) - at.reach);
-            high = fmax(high, fmax(at.begin, at.end) + at.reach);
-            const double until = td_place_of(at.to_ns, start_ns, length_ns);
+        for (few->count = 1;; few->count++) {
+            low = fmin(low, fmin(at->begin, at->end) - at->reach);
+            high = fmax(high, fmax(at->begin, at->end) + at->reach);
+            const double until = td_place_of(at->to_ns, start_ns, length_ns);
             if (!(until < 1)) break;
-            td_additive_noise_next(noise, pixel[i], td_noise_light_of(&sweep->input[i], until), &at);
+            if (few->count < TD_NOISE_FEW) {
+                at[1] = at[0];
+                at++;
+            }
+            td_additive_noise_next(noise, pixel[i], td_noise_light_of(&sweep->input[i], until), at);
         }
-        sweep->segment[i] = (double)at.k;
-        sweep->value[i] = at.begin;
-        sweep->light[i] = at.light;
+        sweep->segment[i] = (double)at->k;
+        sweep->value[i] = at->begin;
         sweep->low[i] = low;
         sweep->high[i] = high;
     }

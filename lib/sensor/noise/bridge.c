@@ -10,15 +10,9 @@
 /* Parts of tau / 16 at most: longer ones wander too much between their corners (td_noise_bridge.h). */
 enum { DEPTH_MIN = 3 };
 
-/* Greatest standard deviation of the shortest parts, as a share of the threshold. */
-static const double finest = 0.25;
-
 /* Least movement of the signal over a part, as a share of the noise's range. A signal that moves less doesn't tell where in the
  * part a level may be reached. */
 static const double least_moved = 0.25;
-
-/* The greatest q = -log(uniform) that is used: a bridge exceeds its bound once in e^12. */
-static const double q_max = 12;
 
 /* A part of a segment, with bounds of the noise on it. */
 typedef struct part {
@@ -40,26 +34,37 @@ static double variance_of(double sigma, double tangent) { return 4 * sigma * sig
 
 /* The law of parts of length l / tau: with m = 1 - e^-l, tanh(l / 2) = m / (2 - m) and 1 / cosh(l / 2) = 2
  * e^(-l/2) / (2 - m). */
-static td_noise_level level_of(double sigma, double l) {
+static td_noise_unit unit_of(double l) {
     const double m = -td_expm1(-l), tangent = m / (2 - m);
-    return (td_noise_level){variance_of(sigma, tangent), td_exp(-0.5 * l) / (2 - m), sigma * sqrt(tangent)};
+    return (td_noise_unit){tangent, td_exp(-0.5 * l) / (2 - m), sqrt(tangent)};
 }
 
-static double reach_of(double variance) { return sqrt(0.5 * q_max * variance); }
+static td_noise_level level_of(double sigma, td_noise_unit unit) {
+    return (td_noise_level){variance_of(sigma, unit.tangent), unit.mean, sigma * unit.root};
+}
 
-double td_noise_reach(double sigma, double l) {
-    const double m = -td_expm1(-l);
-    return reach_of(variance_of(sigma, m / (2 - m)));
+static double reach_of(double variance) { return sqrt(0.5 * TD_NOISE_Q_MAX * variance); }
+
+double td_noise_reach(const td_additive_noise *noise, double sigma, double tau_ns) {
+    if (tau_ns == noise->usual_ns) return reach_of(variance_of(sigma, noise->usual[0].tangent));
+    return reach_of(variance_of(sigma, unit_of(noise->spacing_ns / tau_ns).tangent));
+}
+
+/* Sets level and depth; `usual`, where given, has the units of this tau. */
+static void make_levels(td_additive_noise *noise, double tau_ns, double threshold, const td_noise_unit *usual) {
+    double l = noise->spacing_ns / tau_ns;
+    for (int depth = 0;; depth++, l *= 0.5) {
+        noise->level[depth] = level_of(noise->sigma, usual ? usual[depth] : unit_of(l));
+        noise->depth = depth;
+        int fine = noise->level[depth].variance <= TD_NOISE_FINEST * TD_NOISE_FINEST * threshold * threshold;
+        if ((depth >= DEPTH_MIN && fine) || depth == TD_NOISE_DEPTH_MAX) break;
+    }
 }
 
 void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double threshold) {
     double l = noise->spacing_ns / tau_ns;
-    for (int depth = 0;; depth++, l *= 0.5) {
-        noise->level[depth] = level_of(noise->sigma, l);
-        noise->depth = depth;
-        int fine = noise->level[depth].variance <= finest * finest * threshold * threshold;
-        if ((depth >= DEPTH_MIN && fine) || depth == TD_NOISE_DEPTH_MAX) break;
-    }
+    for (int depth = 0; depth <= TD_NOISE_DEPTH_MAX; depth++, l *= 0.5) noise->usual[depth] = unit_of(l);
+    make_levels(noise, tau_ns, threshold, noise->usual);
     noise->reach = reach_of(noise->level[0].variance);
 }
 
@@ -69,7 +74,7 @@ static const td_additive_noise *here(const td_additive_noise *noise, const td_no
     own->seed = noise->seed;
     own->spacing_ns = noise->spacing_ns;
     own->sigma = segment->sigma;
-    td_noise_bridge_make(own, segment->tau_ns, noise->threshold);
+    make_levels(own, segment->tau_ns, noise->threshold, segment->tau_ns == noise->usual_ns ? noise->usual : NULL);
     return own;
 }
 
@@ -78,7 +83,7 @@ static const td_additive_noise *here(const td_additive_noise *noise, const td_no
 /* Sets a part's bounds: those of its bridge, within those of its parent. */
 static void bound(const td_additive_noise *noise, part *p, double low, double high) {
     const double change = p->end - p->begin, sum = p->begin + p->end;
-    const double w = sqrt(change * change + 2 * q_max * noise->level[p->depth].variance);
+    const double w = sqrt(change * change + 2 * TD_NOISE_Q_MAX * noise->level[p->depth].variance);
     p->low = td_greater(0.5 * (sum - w), low);
     p->high = td_lesser(0.5 * (sum + w), high);
 }
@@ -128,7 +133,7 @@ static void find_corners(const td_additive_noise *noise, uint32_t pixel, uint64_
     double extreme[2]; /* minimum, maximum */
     const td_random_bits bits = bits_of(noise, pixel, k, p);
     for (int i = 0; i < 2; i++) {
-        const double w = sqrt(change * change + 2 * v * td_lesser(td_random_short_exponential(&bits, i), q_max));
+        const double w = sqrt(change * change + 2 * v * td_lesser(td_random_short_exponential(&bits, i), TD_NOISE_Q_MAX));
         extreme[i] = i == 0 ? td_greater(0.5 * (sum - w), p->low) : td_lesser(0.5 * (sum + w), p->high);
     }
     c->value[0] = p->begin;

@@ -35,6 +35,11 @@ typedef struct td_noise_move {
 td_noise_move td_noise_move_of(double sigma, double l);
 static inline double td_noise_moved(td_noise_move move, double x, double normal) { return move.keeps * x + move.adds * normal; }
 
+/* The numbers of both for sigma 1. */
+typedef struct td_noise_unit {
+    double tangent, mean, root; /* tanh(l / 2); of the middle; sqrt(tangent) */
+} td_noise_unit;
+
 typedef struct td_additive_noise {
     int on;
     uint64_t seed;
@@ -45,8 +50,11 @@ typedef struct td_additive_noise {
     double spread;      /* noise_sigma */
     double *own;        /* sizes of single pixels, by number, over the nominal one; NaN: drawn; NULL: all are (the sensor's) */
     td_noise_light light;
-    double threshold;                             /* distance of the nearest level */
-    double reach;                                 /* how far the noise goes beyond its ends on a segment, at most */
+    double threshold;         /* distance of the nearest level */
+    double reach;             /* how far the noise goes beyond its ends on a segment, at most */
+    double usual_ns;          /* a tau, */
+    td_noise_move usual_move; /* and its moves and parts for sigma 1, by depth */
+    td_noise_unit usual[TD_NOISE_DEPTH_MAX + 1];
     int depth;                                    /* number of halvings of a segment, */
     td_noise_level level[TD_NOISE_DEPTH_MAX + 1]; /* and the parts after each */
 } td_additive_noise;
@@ -64,8 +72,14 @@ typedef struct td_noise_segment {
     double own;                   /* the pixel's size, over the nominal one */
     double sigma, tau_ns;         /* of this segment, of noise that varies */
     double reach;                 /* of this segment, as td_additive_noise.reach */
-    float normal[TD_NOISE_BLOCK]; /* the block that contains n(k + 1) */
+    float normal[TD_NOISE_BLOCK]; /* the block that contains n(k + 1); of noise that varies, n(k + 1) alone is of use */
 } td_noise_segment;
+
+/* The numbers of a segment of noise that varies that take long to compute, beside k, x(k) and the light. They follow from
+ * those. */
+typedef struct td_noise_now {
+    double origin_ns, own, sigma, tau_ns, reach, end;
+} td_noise_now;
 
 /* Makes the noise of a sensor; off where noise_rms is 0. TIDES_BAD_ARGUMENT naming the field. */
 TIDES_MUST_CHECK tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, td_additive_noise *noise,
@@ -86,6 +100,13 @@ double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel, d
 /* The segment that begins with x(k) = value in this light. Checkpoints save these numbers. */
 td_noise_segment td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value,
                                           double light);
+
+/* The segment of noise that varies, whose numbers are at hand. */
+td_noise_segment td_additive_noise_again(const td_additive_noise *noise, uint64_t k, double value, double light,
+                                         const td_noise_now *now);
+static inline td_noise_now td_noise_now_of(const td_noise_segment *segment) {
+    return (td_noise_now){segment->origin_ns, segment->own, segment->sigma, segment->tau_ns, segment->reach, segment->end};
+}
 
 /* Advances to the segment after *segment, which begins in this light. Light that isn't finite counts as unchanged. */
 void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, double light, td_noise_segment *segment);
@@ -118,10 +139,16 @@ static inline double td_noise_light_of(const td_model *input, double s) { return
 
 /* A sweep of `count` pixels. On input, k and x(k) are those of the segment that contains the step's start, or of an earlier
  * one. On output they are those of the segment at its end. `low` and `high` bound the ends of the segments between: on the step
- * the noise stays within `reach` of them. For noise that varies, `light` (else NULL) is updated too, from `input`; `low` and
- * `high` then bound the noise itself. */
+ * the noise stays within `reach` of them. Of noise that varies `low` and `high` bound the noise itself. Its first segments are
+ * given in `at`; on output the list goes on from there, `input` giving the light. */
+enum { TD_NOISE_FEW = 4 };
+typedef struct td_noise_few {
+    int count;                              /* of segments; if there are more than the list has room for, */
+    td_noise_segment segment[TD_NOISE_FEW]; /* the last one takes the last place */
+} td_noise_few;
 typedef struct td_noise_sweep {
-    double *segment, *value, *low, *high, *light;
+    double *segment, *value, *low, *high;
+    td_noise_few *at; /* of noise that varies, else NULL */
     const td_model *input;
     double *path;         /* room for TD_NOISE_PATH x TD_RANDOM_LANES numbers for each TD_RANDOM_LANES pixels, and */
     td_noise_path *paths; /* (count) its content; neither is set for noise that varies */

@@ -33,11 +33,17 @@
 #include "td_additive_noise.h"
 #include "sensor/response/td_response.h"
 
+/* Greatest standard deviation of the shortest parts, as a share of the threshold. */
+#define TD_NOISE_FINEST 0.25
+
+/* The greatest q = -log(uniform) that is used: a bridge exceeds its bound once in e^12. */
+#define TD_NOISE_Q_MAX 12.0
+
 /* Sets level, depth and reach of a noise whose sigma and spacing_ns are set, for levels at least `threshold` away. */
 void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double threshold);
 
-/* The reach of parts of length l, in units of tau: how far the noise goes beyond their ends. */
-double td_noise_reach(double sigma, double l);
+/* The reach of a segment of size sigma and this tau: how far the noise goes beyond its ends. */
+double td_noise_reach(const td_additive_noise *noise, double sigma, double tau_ns);
 
 /* The noise on a pixel's segment at a time; outside of the segment, the value at its nearer end. */
 double td_noise_value(const td_additive_noise *noise, uint32_t pixel, const td_noise_segment *segment, double time_ns);

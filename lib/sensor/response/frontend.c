@@ -154,12 +154,7 @@ static void step_in_substeps(td_filter_input *source, double state[TD_FRONTEND_S
 }
 
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
-                      double state[TD_FRONTEND_STATE], td_response *response) {
-    td_frontend_step_keeping(frontend, h, input, log_eps, state, response, NULL);
-}
-
-void td_frontend_step_keeping(const td_frontend *frontend, double h, const td_model *input, double log_eps,
-                              double state[TD_FRONTEND_STATE], td_response *response, td_kept_substeps *kept) {
+                      double state[TD_FRONTEND_STATE], td_response *response, td_kept_substeps *kept) {
     td_response_set(response, input);
     if (!frontend->on) return;
     if (!td_model_is_finite(input)) {

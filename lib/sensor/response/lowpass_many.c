@@ -12,6 +12,7 @@
 typedef struct real_pole {
     double rate, inverse; /* lambda per step, and 1 / lambda */
     double basis;         /* of the mode's cosine at s = 1 */
+    double way;           /* S goes at most this share of the way to the input: 1 - e^-rate, or a little more */
 } real_pole;
 
 /* S at the end of the step; b are the input's control values. */
@@ -27,7 +28,7 @@ static inline double respond(int slow, const real_pole *pole, const double b[4],
     return S - amplitude + p1 + p2 + l3 + amplitude * pole->basis;
 }
 
-/* Rounding of S and of its response. S is an average of its old value and the input, and stays between them but for
+/* Rounding of S and of its response. S is an average of its old value and the input: it goes towards the input, but for
  * rounding. */
 static const double rounding = 64 * DBL_EPSILON;
 
@@ -42,8 +43,8 @@ static inline void step(int slow, const real_pole *pole, size_t count, const dou
         double most = td_greater(td_most4(b), begin);
         double margin = rounding * (td_greater(most, -least) + (most - least));
         after[i] = finite == 0 ? end : S[i];
-        low[i] = least - margin + finite;
-        high[i] = most + margin + finite;
+        low[i] = begin - pole->way * (begin - least) - margin + finite;
+        high[i] = begin + pole->way * (most - begin) + margin + finite;
     }
 }
 
@@ -52,7 +53,7 @@ void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, 
     const double rate = frontend->rate * h;
     const int slow = !(rate > 1); /* as td_poles_respond has it */
     const td_mode mode = {rate, 0, 1, 0, slow};
-    const real_pole pole = {rate, 1 / rate, td_mode_value(&mode, 1)};
+    const real_pole pole = {rate, 1 / rate, td_mode_value(&mode, 1), slow ? rate : 1};
     if (slow)
         step(1, &pole, count, control, S, after, low, high);
     else

@@ -418,7 +418,7 @@ tides_status td_surround_create(const tides_sensor *sensor, int width, int heigh
         td_surround_release(surround);
         return status;
     }
-    surround->on = surround->has_cubics = 1;
+    surround->has_cubics = 1;
     surround->lambda_px = sensor->surround_lambda_px;
     surround->tau_s = sensor->surround_tau_s;
     surround->tolerance = tolerance;

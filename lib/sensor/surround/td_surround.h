@@ -27,7 +27,6 @@ typedef struct td_surround_sample {
 } td_surround_sample;
 
 typedef struct td_surround {
-    int on; /* 0: off, and nothing below is set */
     double lambda_px, tau_s, tolerance;
     int has_cubics; /* 1: the comparator has cubics. Other models are off by more on whole substeps, which are always halved */
     td_dct cosine;

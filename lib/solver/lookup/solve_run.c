@@ -258,7 +258,7 @@ static tides_status note_events(td_visit *v, int doubts, tides_error *error) {
 }
 
 /* Runs the pixel's next step. `*asked` is 1 if something in it must be looked up. Otherwise the step is settled, if all steps
- * before it are. */
+ * before it are: its events have their final times, and are joined to the portion's. */
 static tides_status pass_step(td_visit *v, int *asked, tides_error *error) {
     int doubts = 0;
     *asked = 0;

@@ -113,9 +113,8 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
 }
 
 /* The unit of steps. If all pixels have their steps in common, it is the tile, since blocks would only add work. */
-static int unit_of(const tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
-    const int own = stepping->mode != TIDES_STEPPING_FIXED && stepping->local && sensor->surround_lambda_px == 0;
-    if (!own) return TIDES_UNIT_TILE;
+static int unit_of(const tides_simulator *s, const tides_stepping *stepping) {
+    if (stepping->mode == TIDES_STEPPING_FIXED || !s->given.local) return TIDES_UNIT_TILE;
     if (stepping->unit != TIDES_UNIT_AUTO) return stepping->unit;
     return s->solve.on ? TIDES_UNIT_BLOCK : TIDES_UNIT_TILE;
 }
@@ -133,14 +132,15 @@ static double tolerance_of(const tides_simulator *s, const tides_stepping *stepp
 static void take_parameters(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
     s->given.step_s = stepping->step_s;
     s->given.mode = stepping->mode;
-    s->given.local = stepping->local != 0;
+    s->given.coupled = sensor->surround_lambda_px != 0;
+    s->given.local = stepping->local && !s->given.coupled;
     s->given.min_step_s = stepping->min_step_s;
     s->given.tolerance = tolerance_of(s, stepping);
     s->given.time_tolerance_s = stepping->time_tolerance_s;
     s->given.memory_mb = stepping->memory_mb;
     s->given.risk = stepping->risk;
     s->given.slope = stepping->slope;
-    s->given.unit = unit_of(s, sensor, stepping);
+    s->given.unit = unit_of(s, stepping);
     s->given.sample_planes = s->refine.samples.planes = sensor->b_min > 0 ? TD_PLANES_ALL : TD_PLANES_SIGNAL;
     s->refine.samples.pixels = s->given.unit == TIDES_UNIT_BLOCK ? TD_BLOCK_PIXELS : TD_TILE_PIXELS;
     s->given.outputs = stepping->mode == TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
@@ -148,7 +148,7 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
         s->given.interpolates =
             stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* a given tolerance holds with look-ups too */
     s->stepping = *stepping;
-    s->stepping.local = s->given.local;
+    s->stepping.local = stepping->local != 0;
     s->stepping.tolerance = s->given.tolerance;
     s->stepping.unit = s->given.unit;
     s->stepping.solve = s->solve.on ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;

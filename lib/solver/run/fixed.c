@@ -102,9 +102,8 @@ tides_status td_begin(tides_simulator *s, tides_error *error) {
     tides_status status = td_sweep(s, 0, 0, error);
     if (status == TIDES_OK) status = render_first(s, error);
     if (status != TIDES_OK) return status;
-    if (s->surround.surround.on) td_surround_steps_begin(s);
-    const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_PLANE_S];
-    td_sensor_begin(&s->sensor, S);
+    td_surround_steps_begin(s);
+    td_sensor_begin(&s->sensor, td_seen_now(s));
     s->started = 1;
     return TIDES_OK;
 }

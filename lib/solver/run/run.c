@@ -10,9 +10,10 @@
  *   read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
  *   emit       the events, sorted, through filters to the sink as a packet   emit
  *
- * In a default run an event gets its time in three calls: td_settle (settle.c) hands accepted steps to td_solve_steps (solve.c,
- * in lookup), which runs each pixel that may do something through td_solve_run (solve_run.c). There the comparator runs on a
- * model whose nodes are looked up, until the event's time no longer changes.
+ * In a default run an event gets its time three jumps from refine_group: td_settle (settle.c) hands accepted steps to
+ * td_solve_steps (solve.c, in lookup), which runs each pixel that may do something through td_solve_run (solve_run.c). There
+ * the comparator runs on a model whose nodes are looked up. Pixels whose values are back run again (td_solve_turn), until no
+ * time changes; pass_step then adds the step's events to the run's.
  *
  * Fixed steps skip estimates and refinement. Times count from the run's start; steps lie on the grid k step_s, joined by the
  * knots of motions (grid.c). Stages have files of their own; this one has their order, and the handling of failures. */
@@ -47,7 +48,7 @@ static tides_status compare_units(tides_simulator *s, tides_error *error) {
     td_step step;
     double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     if (s->given.slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
-    if (s->surround.surround.on) return td_surround_compare(s, start, stop, NULL, error);
+    if (s->given.coupled) return td_surround_compare(s, start, stop, NULL, error);
     tides_status status = td_grid_step(&s->grid, start, stop, &step, error);
     if (status == TIDES_OK) status = td_share_out(s, s->moving.count, TD_FEWEST_UNITS, compare_some, &step, error);
     return status == TIDES_OK ? td_compare_still(s, &step, error) : status;

@@ -132,16 +132,16 @@ static tides_status keep_references(tides_simulator *s, tides_error *error) {
     return TIDES_OK;
 }
 
+/* By default td_solve_steps finds the events of all pixels here, before their samples are given back by settle_apart. */
 tides_status td_settle(tides_simulator *s, double start, double stop, int early, tides_error *error) {
     double begun = td_now();
     tides_status status = early ? keep_references(s, error) : TIDES_OK;
     if (status != TIDES_OK) return status;
     if (s->solve.on) status = td_solve_steps(s, error);
-    if (s->surround.surround.on)
+    if (s->given.coupled)
         status = settle_together(s, start, stop, early, error);
     else if (status == TIDES_OK)
         status = settle_apart(s, early, error);
-    if (s->surround.surround.on && status == TIDES_OK && !early) td_surround_steps_note(s);
     s->totals.here.time_compare_s += td_now() - begun;
     s->broken |= status != TIDES_OK;
     return status;

@@ -62,7 +62,7 @@ double td_simulator_grid_time(const tides_simulator *s, int64_t k) { return td_g
 
 void td_simulator_resume(tides_simulator *s, td_resumed *from) {
     td_sensor_resume(&s->sensor);
-    if (s->surround.surround.on) td_surround_steps_resume(s);
+    td_surround_steps_resume(s);
     s->totals.before = from->totals;
     s->step = from->step;
     s->started = 1;

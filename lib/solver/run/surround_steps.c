@@ -8,7 +8,7 @@
 tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *sensor, int height, tides_error *error) {
     td_surround_steps *steps = &s->surround;
     size_t pixels = (size_t)s->layout.width * (size_t)height;
-    if (sensor->surround_lambda_px == 0) return TIDES_OK;
+    if (!s->given.coupled) return TIDES_OK;
     if (sensor->bandwidth != TIDES_BANDWIDTH_FIRST_ORDER || sensor->highpass_hz > 0 ||
         (sensor->photoreceptor_cutoff_hz > 0 && sensor->photoreceptor_law != TIDES_PHOTORECEPTOR_CONSTANT))
         return td_fail(error, TIDES_UNSUPPORTED,
@@ -21,7 +21,6 @@ tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *se
     double **images[] = {&steps->from_dot, &steps->p, &steps->p_dot, &steps->S, &steps->h};
     for (size_t i = 0; i < sizeof images / sizeof *images && status == TIDES_OK; i++)
         if (!(*images[i] = td_alloc(pixels, sizeof **images[i], error))) status = TIDES_NO_MEMORY;
-    if (status == TIDES_OK) s->given.local = 0;
     return status;
 }
 
@@ -61,7 +60,8 @@ static void put_all(const tides_simulator *s, const double *in_tiles, double *in
     for (int t = 0; t < s->layout.units; t++) put_rows(s, t, in_tiles + s->layout.first_pixel[t], in_image);
 }
 
-void td_surround_steps_note(tides_simulator *s) {
+/* Stores S and h at the time reached. */
+static void note_reached(tides_simulator *s) {
     take_all(s, s->surround.surround.end.S, s->surround.S);
     take_all(s, s->surround.surround.surround, s->surround.h);
 }
@@ -74,17 +74,19 @@ static void take_now(tides_simulator *s) {
 
 void td_surround_steps_begin(tides_simulator *s) {
     td_surround_steps *steps = &s->surround;
+    if (!s->given.coupled) return;
     take_now(s);
     td_surround_rest(&steps->surround, steps->p, steps->p_dot);
-    td_surround_steps_note(s);
+    note_reached(s);
 }
 
 void td_surround_steps_resume(tides_simulator *s) {
     td_surround_steps *steps = &s->surround;
+    if (!s->given.coupled) return;
     take_now(s);
     put_all(s, steps->h, steps->from_dot);
     td_surround_resume(&steps->surround, steps->from_dot, steps->p, steps->p_dot);
-    td_surround_steps_note(s);
+    note_reached(s);
 }
 
 /* A tile at one end of a piece: the planes that the comparator needs, and the photoreceptor's input where it needs that. */
@@ -164,6 +166,7 @@ tides_status td_surround_compare(tides_simulator *s, double start, double stop, 
         status = td_grid_step(&s->grid, from, to, &at.step, error);
         if (status == TIDES_OK) status = td_share_out(s, s->layout.units, TD_FEWEST_UNITS, compare_some, &at, error);
     }
-    if (status == TIDES_OK && !which) td_surround_steps_note(s);
+    const int ends_macro = !which || s->refine.step[which[0]].next < 0;
+    if (status == TIDES_OK && ends_macro) note_reached(s);
     return status;
 }

@@ -73,7 +73,7 @@ void td_undo_stopped(tides_simulator *s, tides_status status) {
     for (int i = 0; i < state.rows; at += bytes_of(&state.row[i++]))
         memcpy(state.row[i].values, undo->bytes + at, bytes_of(&state.row[i]));
     td_sensor_resume(&s->sensor);
-    if (s->surround.surround.on) td_surround_steps_resume(s);
+    td_surround_steps_resume(s);
     s->done.work.counts = undo->counts;
     td_stats_put(s, &undo->stats);
     td_renderer_put_counts(s->renderer, &undo->render);

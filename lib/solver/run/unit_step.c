@@ -109,15 +109,10 @@ void td_time_events(const tides_simulator *s, td_portion *portion, const td_refi
     td_timing_add_turns(&portion->timing, &timed);
 }
 
-/* S of every pixel at the time reached, behind the surround where there is one. */
-static const double *seen(const tides_simulator *s) {
-    return s->surround.surround.on ? s->surround.S : s->now.plane[TD_PLANE_S];
-}
-
 double td_signal_now(const tides_simulator *s, size_t pixel) {
-    return td_sensor_signal(&s->sensor, pixel, seen(s)[pixel], time_now(s));
+    return td_sensor_signal(&s->sensor, pixel, td_seen_now(s)[pixel], time_now(s));
 }
 
 double td_worst_residual(const tides_simulator *s) {
-    return td_sensor_worst_residual(&s->sensor, seen(s), s->now.plane[TD_PLANE_ALPHA], time_now(s));
+    return td_sensor_worst_residual(&s->sensor, td_seen_now(s), s->now.plane[TD_PLANE_ALPHA], time_now(s));
 }

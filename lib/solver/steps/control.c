@@ -59,10 +59,10 @@ static double error_excess(const tides_simulator *s, td_refine_step *step, doubl
     const double from = td_refine_time(r, start, stop, step->from),
                  *references = r->early ? r->reference : s->sensor.pixels.reference;
     size_t first = s->layout.first_pixel[step->unit];
-    /* With a surround each pixel's error affects all others, so that all pixels count. */
+    /* Where pixels are coupled, each one's error affects all others, so that all pixels count. */
     const td_estimated judged = {td_refine_time(r, start, stop, step->to) - from,
                                  &signals,
-                                 s->surround.surround.on ? NULL : references + first,
+                                 s->given.coupled ? NULL : references + first,
                                  step->probe < 0 ? NULL : td_sample_deviation(&r->samples, step->probe),
                                  rounding_seen * s->done.timing.rounding,
                                  s->layout.unit[step->unit].count};

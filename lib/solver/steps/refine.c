@@ -107,14 +107,14 @@ static uint32_t place_of(const tides_simulator *s, const td_refine_step *step) {
     return step->swap ? step->swap : td_probe_place(s->refine.macro, step->from, step->to);
 }
 
-/* With a surround all units are cut where one needs it. A unit whose own cubic is good enough isn't rendered: its values there
- * are the cubic's, it follows. Its error may be this share of the limits only, because errors of all units meet in the
- * surround. A choice: with a quarter the demo's p95 rises from 1.0 to 1.2 us, for a sixth of the renders. A step with a swap is
- * rendered: its cubic can't know the swap. */
+/* Where pixels are coupled, all units are cut where one needs it. A unit whose own cubic is good enough isn't rendered: its
+ * values there are the cubic's, it follows. Its error may be this share of the limits only, because errors of all units meet
+ * in the coupled signals. A choice: with a quarter the demo's p95 rises from 1.0 to 1.2 us, for a sixth of the renders. A step
+ * with a swap is rendered: its cubic can't know the swap. */
 static const double good_enough = 0.25;
 
 static int follows(const tides_simulator *s, const td_refine_step *step) {
-    return s->surround.surround.on && s->given.mode == TIDES_STEPPING_ERROR && !step->swap && step->probe >= 0 &&
+    return s->given.coupled && s->given.mode == TIDES_STEPPING_ERROR && !step->swap && step->probe >= 0 &&
            step->excess <= good_enough;
 }
 

@@ -33,7 +33,7 @@ enum { SAMPLES_A_UNIT = 4 };
 
 int td_window_units(const tides_simulator *s) {
     const size_t units = s->refine.limit / SAMPLES_A_UNIT;
-    if (!s->given.local || s->surround.surround.on || units >= (size_t)s->moving.count) return s->moving.count;
+    if (!s->given.local || units >= (size_t)s->moving.count) return s->moving.count;
     return units < 1 ? 1 : (int)units;
 }
 

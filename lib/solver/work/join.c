@@ -32,49 +32,59 @@ void td_solve_portion_release(td_solve_portion *portion) {
     *portion = (td_solve_portion){.events = 0};
 }
 
-/* Appends `some` elements of `size` bytes to a list. */
-static tides_status append(void **list, size_t *count, size_t *capacity, const void *more, size_t some, size_t size,
-                           tides_error *error) {
+/* Makes room for `some` more elements of `size` bytes at a list's end, which begins at `*at`. */
+static tides_status place(void **list, size_t *count, size_t *capacity, size_t some, size_t size, size_t *at,
+                          tides_error *error) {
     tides_status status = some > 0 ? td_reserve(list, capacity, *count + some, size, error) : TIDES_OK;
-    if (status != TIDES_OK || some == 0) return status;
-    memcpy((char *)*list + *count * size, more, some * size);
-    *count += some;
-    return TIDES_OK;
-}
-
-/* Joins a portion's requests. A portion numbers the pixels that may do something by its own list, which begins at `from` in the
- * run's. */
-static tides_status join_asks(td_solve_batch *to, const td_solve_batch *asks, int32_t from, tides_error *error) {
-    const size_t pixels = to->pixels, points = to->points;
-    size_t asked = points;
-    tides_status status =
-        append((void **)&to->pixel, &to->pixels, &to->pixel_capacity, asks->pixel, asks->pixels, sizeof *to->pixel, error);
-    if (status == TIDES_OK)
-        status = append((void **)&to->asked, &asked, &to->asked_capacity, asks->asked, asks->points, sizeof *to->asked, error);
-    if (status == TIDES_OK)
-        status =
-            append((void **)&to->point, &to->points, &to->point_capacity, asks->point, asks->points, sizeof *to->point, error);
-    for (size_t k = pixels; k < to->pixels && status == TIDES_OK; k++) to->pixel[k].next += from, to->pixel[k].end += from;
-    for (size_t k = points; k < to->points && status == TIDES_OK; k++) to->asked[k].looked += from;
+    *at = *count;
+    if (status == TIDES_OK) *count += some;
     return status;
 }
 
-static tides_status join_references(td_solve_refer_list *to, const td_solve_refer_list *refer, tides_error *error) {
-    size_t started = to->count;
-    tides_status status =
-        append((void **)&to->start, &started, &to->start_capacity, refer->start, refer->count, sizeof *to->start, error);
-    if (status != TIDES_OK) return status;
-    return append((void **)&to->wanted, &to->count, &to->wanted_capacity, refer->wanted, refer->count, sizeof *to->wanted,
-                  error);
+tides_status td_solve_place(tides_simulator *s, td_solve_portion *portion, tides_error *error) {
+    td_solve_portion *to = &s->done.solve;
+    td_solve_batch *batch = td_solve_filling(&s->solve);
+    td_solve_begins *at = &portion->at;
+    size_t asked = batch->points, started = to->refer.count;
+    to->events += portion->events;
+    tides_status status = place((void **)&to->looked, &to->looked_count, &to->looked_capacity, portion->looked_count,
+                                sizeof *to->looked, &at->looked, error);
+    if (status == TIDES_OK)
+        status = place((void **)&batch->pixel, &batch->pixels, &batch->pixel_capacity, portion->own.pixels,
+                       sizeof *batch->pixel, &at->pixel, error);
+    if (status == TIDES_OK)
+        status = place((void **)&batch->asked, &asked, &batch->asked_capacity, portion->own.points, sizeof *batch->asked,
+                       &at->point, error);
+    if (status == TIDES_OK)
+        status = place((void **)&batch->point, &batch->points, &batch->point_capacity, portion->own.points,
+                       sizeof *batch->point, &at->point, error);
+    if (status == TIDES_OK)
+        status = place((void **)&to->refer.start, &started, &to->refer.start_capacity, portion->refer.count,
+                       sizeof *to->refer.start, &at->refer, error);
+    if (status == TIDES_OK)
+        status = place((void **)&to->refer.wanted, &to->refer.count, &to->refer.wanted_capacity, portion->refer.count,
+                       sizeof *to->refer.wanted, &at->refer, error);
+    return status == TIDES_OK ? td_solve_join_samples(s, portion, error) : status;
 }
 
-tides_status td_solve_join(tides_simulator *s, const td_solve_portion *portion, tides_error *error) {
+static void copy(void *list, size_t at, const void *from, size_t count, size_t size) {
+    if (count > 0) memcpy((char *)list + at * size, from, count * size);
+}
+
+/* A portion numbers the pixels that may do something by its own list. */
+void td_solve_join(tides_simulator *s, const td_solve_portion *portion) {
     td_solve_portion *to = &s->done.solve;
-    const int32_t from = portion->looked_count > 0 ? (int32_t)to->looked_count : 0;
-    to->events += portion->events;
-    tides_status status = append((void **)&to->looked, &to->looked_count, &to->looked_capacity, portion->looked,
-                                 portion->looked_count, sizeof *to->looked, error);
-    if (status == TIDES_OK) status = join_asks(td_solve_filling(&s->solve), &portion->own, from, error);
-    if (status == TIDES_OK) status = join_references(&to->refer, &portion->refer, error);
-    return status == TIDES_OK ? td_solve_join_samples(s, portion, error) : status;
+    td_solve_batch *batch = td_solve_filling(&s->solve);
+    const td_solve_begins *at = &portion->at;
+    const td_solve_batch *own = &portion->own;
+    const td_solve_refer_list *refer = &portion->refer;
+    const int32_t from = portion->looked_count > 0 ? (int32_t)at->looked : 0;
+    copy(to->looked, at->looked, portion->looked, portion->looked_count, sizeof *to->looked);
+    copy(batch->pixel, at->pixel, own->pixel, own->pixels, sizeof *own->pixel);
+    copy(batch->asked, at->point, own->asked, own->points, sizeof *own->asked);
+    copy(batch->point, at->point, own->point, own->points, sizeof *own->point);
+    copy(to->refer.start, at->refer, refer->start, refer->count, sizeof *refer->start);
+    copy(to->refer.wanted, at->refer, refer->wanted, refer->count, sizeof *refer->wanted);
+    for (size_t k = at->pixel; k < at->pixel + own->pixels; k++) batch->pixel[k].next += from, batch->pixel[k].end += from;
+    for (size_t k = at->point; k < at->point + own->points; k++) batch->asked[k].looked += from;
 }

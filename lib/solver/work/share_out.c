@@ -41,13 +41,14 @@ static void join_steps(td_step_counts *to, const td_step_counts *steps) {
     to->worst_deviation = td_greater(to->worst_deviation, steps->worst_deviation);
 }
 
+/* Joins a portion. Results of look-ups only get their places. */
 static tides_status join(tides_simulator *s, td_portion *portion, tides_error *error) {
     td_portion *done = &s->done;
     tides_status status = td_work_join(&done->work, &portion->work, error);
     if (portion->work.events.count > 0) join_timing(&done->timing, &portion->timing); /* else nothing was added */
     done->timing.uncertain += portion->timing.uncertain;
     join_steps(&done->steps, &portion->steps);
-    return status == TIDES_OK ? td_solve_join(s, &portion->solve, error) : status;
+    return status == TIDES_OK ? td_solve_place(s, &portion->solve, error) : status;
 }
 
 /* -- sharing it out -------------------------------------------------------------------------------------------------------- */
@@ -79,6 +80,11 @@ static void work_on(void *user, int k) {
     portion->status = all->worker(all->s, portion, first, end, all->user, &portion->error);
 }
 
+static void put(void *user, int k) {
+    const shared *all = user;
+    td_solve_join(all->s, &all->s->sharing.portion[k].solve);
+}
+
 static tides_status run_alone(tides_simulator *s, int count, td_portion_worker worker, const void *user, tides_error *error) {
     s->done.solve.asks = td_solve_filling(&s->solve);
     return worker(s, &s->done, 0, count, user, error);
@@ -92,12 +98,16 @@ tides_status td_share_out(tides_simulator *s, int count, int fewest, td_portion_
     if (count <= 0) return status;
     if (all.portions < 2) return run_alone(s, count, worker, user, error);
     td_pool_run(sharing->pool, all.portions, work_on, &all);
-    for (int k = 0; k < all.portions && status == TIDES_OK; k++) {
-        td_portion *portion = &sharing->portion[k];
+    int joined = 0;
+    while (joined < all.portions && status == TIDES_OK) {
+        td_portion *portion = &sharing->portion[joined];
         status = join(s, portion, error);
-        if (status != TIDES_OK || portion->status == TIDES_OK) continue;
+        if (status != TIDES_OK) return status;
+        joined++;
+        if (portion->status == TIDES_OK) continue;
         if (error) *error = portion->error;
         status = portion->status;
     }
+    td_pool_run(sharing->pool, s->solve.on ? joined : 0, put, &all);
     return status;
 }

@@ -12,11 +12,11 @@
 
 static const bench_entry benchmarks[] = {
     {"image", "What each measure that makes the image continuous in time is worth, and what it costs.", bench_image, 0,
-     bench_scene_names},
+     bench_scene_names, 0},
     {"scaling", "How cost grows with Gaussians, pixels, events, layers, what moves, speed and threads.", bench_scaling, 1,
-     scaling_names},
+     scaling_names, 0},
     {"throughput", "What each stage takes, beside the same image in plain C made for the machine: the limit.", bench_throughput,
-     0, bench_world_names},
+     0, bench_world_names, 0},
 };
 
 int main(int argc, char **argv) {
