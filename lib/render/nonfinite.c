@@ -100,7 +100,7 @@ static tides_status describe_cause(tides_renderer *renderer, const tides_traject
 /* Fewest tiles that are worth a thread of their own. */
 enum { FEWEST_TILES = 64 };
 
-/* What the pool's threads share. */
+/* Arguments that the pool's threads share. */
 typedef struct checking {
     const td_tile_batch *batch;
     const double *planes;

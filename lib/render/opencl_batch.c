@@ -135,7 +135,7 @@ TD_WIDE static void place_blocks(const td_batch *batch, const td_staging *s, dou
 /* Fewest blocks that are worth a thread of their own. */
 enum { FEWEST_BLOCKS = 512 };
 
-/* What the pool's threads share. */
+/* Arguments that the pool's threads share. */
 typedef struct placing {
     const td_batch *batch;
     const td_staging *s;

@@ -46,7 +46,7 @@ void td_point_gather(td_point_place *places, td_point_place *room, int count, in
 /* Fewest places that are worth a thread of their own. */
 enum { FEWEST_PLACES = 512 };
 
-/* What the pool's threads share. */
+/* Arguments that the pool's threads share. */
 typedef struct gathering {
     const td_point_tiles *all;
     int portions, *order;

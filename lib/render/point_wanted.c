@@ -106,7 +106,7 @@ static int touches(const td_sight *sight, int x, int y, const uint16_t *rows) {
     return touched;
 }
 
-/* What the pool's threads share. */
+/* Arguments that the pool's threads share. */
 typedef struct touching {
     const tides_renderer *renderer;
     const td_points_wanted *wanted;

@@ -108,8 +108,8 @@ static tides_status reserve(td_points_direct *direct, int more, tides_error *err
     return status;
 }
 
-/* Takes a tile's list, with its boxes side by side, unless it is there: points of one tile mostly follow one another. Box by box in
- * the store's order each look was a cache miss, and half of the time of 500 000 splats' points. */
+/* Takes a tile's list, with its boxes side by side, unless it is there: points of one tile mostly follow one another. In the
+ * store's order each look at a box was a cache miss: half of the time of points among 500 000 splats. */
 static tides_status take_tile(td_points_direct *direct, const td_point_span *span, int tile, tides_error *error) {
     const int first = span->first[tile], end = span->first[tile + 1];
     const size_t most = (size_t)(end - first);

@@ -20,7 +20,7 @@ tides_status td_point_take(const td_point *point, const double *found, td_point_
 /* Fewest points that are worth a thread of their own. */
 enum { FEWEST_POINTS = 4096 };
 
-/* What the pool's threads share. */
+/* Arguments that the pool's threads share. */
 typedef struct taking {
     const td_point *points;
     const int *which;

@@ -387,7 +387,7 @@ static int by_place(const void *a, const void *b) {
     return x->wide > y->wide ? -1 : x->wide < y->wide;
 }
 
-/* What the pool's threads share. */
+/* Arguments that the pool's threads share. */
 typedef struct searching {
     const tides_renderer *renderer;
     struct td_swaps *swaps;

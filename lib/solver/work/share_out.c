@@ -41,7 +41,7 @@ static void join_steps(td_step_counts *to, const td_step_counts *steps) {
     to->worst_deviation = td_greater(to->worst_deviation, steps->worst_deviation);
 }
 
-/* All but the results of look-ups, which get their places. */
+/* Joins a portion. Results of look-ups only get their places. */
 static tides_status join(tides_simulator *s, td_portion *portion, tides_error *error) {
     td_portion *done = &s->done;
     tides_status status = td_work_join(&done->work, &portion->work, error);
