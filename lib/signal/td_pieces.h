@@ -13,8 +13,8 @@ typedef struct td_node {
     double S_dot; /* [log units/s] */
 } td_node;
 
-/* Limits for a pixel in a step. A busy pixel has some ten events in a step. Beyond TD_NODES_MAX / 2 events, times are the
- * model's. */
+/* Limits for a pixel in a step. A busy pixel has some ten events in a step. Where more than TD_NODES_MAX / 2 are in
+ * doubt, their pieces are halved first (lib/solver/lookup/solve_run.c). */
 enum { TD_NODES_MAX = 48, TD_PIECES_MAX = TD_NODES_MAX + 1 };
 
 /* Piece k covers [from[k], from[k + 1]]; its model is over [0, 1] within it. from[0] = 0, from[count] = 1. Neighbours have the

@@ -111,7 +111,8 @@ static void test_mended(void **state) {
                   {"stops", 205, 0.3, 100, 0},  {"lamps", 205, 0.3, 1000, 0}, {"spin", 401, 1, 1000, 0},
                   {"spin", 211, 0.3, 30, 0},    {"lights", 403, 1, 1000, 0},  {"fade", 301, 0.3, 200, 1},
                   {"leap", 704, 1, 20000, 0},   {"taper", 404, 1, 90000, 0},  {"taper", 1111, 1, 90000, 0},
-                  {"stack", 102, 0.25, 300, 0}, {"stops", 1108, 1, 7000, 0},  {"near", 402, 1, 70000, 0}};
+                  {"stack", 102, 0.25, 300, 0}, {"stops", 1108, 1, 7000, 0},  {"near", 402, 1, 70000, 0},
+                  {"leap", 2012, 1, 17000, 0}};
     (void)state;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         trial_options options = trial_defaults();
