@@ -134,10 +134,10 @@ static tides_status ask_change(const td_visit *v, int n, tides_error *error) {
     return status == TIDES_OK && fabs(middle - at) > TD_SOLVE_APART ? ask(v, middle, error) : status;
 }
 
-/* Requests the places of all changes that aren't known. A cubic that overshoots a steep part passes many levels which the signal
- * doesn't reach, and looks at each of them would take all nodes, so that none is left where the signal bends (check_lost, leap
- * 2012: 96 crossings in 0.3 us before a swap of depth). Where they would take more than half of the free nodes, a piece with
- * several is halved instead. */
+/* Requests the places of all changes that aren't known. A cubic that overshoots a steep part passes many levels which the
+ * signal doesn't reach. Looks at each of them would take all nodes, so that none is left where the signal bends (check_lost,
+ * leap 2012: 96 crossings in 0.3 us before a swap of depth). Where they would take more than half of the free nodes, a piece
+ * with several is halved instead. */
 static tides_status ask_changes(const td_visit *v, tides_error *error) {
     const td_pieces *pieces = &v->model.pieces;
     int unknown = 0, place[TD_CHANGES_MAX], end;
