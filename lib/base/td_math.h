@@ -8,6 +8,8 @@
 #ifndef TD_MATH_H
 #define TD_MATH_H
 
+#define TD_PI 3.14159265358979323846
+
 /* The result depends on the arguments alone: this lets compilers hoist and merge calls. */
 #if defined(__GNUC__)
 #define TD_CONST __attribute__((__const__))

@@ -35,7 +35,7 @@ static double mean_threshold(const tides_baseline *b) {
 void td_v2e_photoreceptor_noise(tides_baseline *b) {
     const tides_v2e *p = &b->params.v2e;
     td_v2e_state *s = b->state;
-    const double two_pi = 6.28318530717958647693;
+    const double two_pi = 2 * TD_PI;
     double length = b->now - b->before, part = fmin(1.0, length * two_pi * p->cutoff_hz);
     /* v2e, too, recomputes the level if the frame rate changes by 10 % */
     if (!(fabs(length - s->noise_frame_s) <= 0.1 * length)) {

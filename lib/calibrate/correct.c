@@ -6,6 +6,7 @@
  * A start is the distribution of the pixels' references when the recording begins: TIDES_INITIAL_REST, _RANDOM or _STEADY (as
  * leak and noise leave it). Each round has another start, and the round most like the recording tells the recording's start. */
 #include "td_calibrate.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -79,7 +80,7 @@ static void describe(const td_calibration *c, const tides_calibration *found, ti
     p->sensor.leak_rate_hz =
         p->sensor.initial == TIDES_INITIAL_STEADY ? steady_leak(found) : known(v[TIDES_CALIBRATED_LEAK].value);
     p->sensor.shot_noise_hz = known(v[TIDES_CALIBRATED_SHOT].value);
-    p->sensor.photoreceptor_cutoff_hz = c->fit.front.pole_s > 1e-6 ? 1 / (6.283185307179586 * c->fit.front.pole_s) : 0;
+    p->sensor.photoreceptor_cutoff_hz = c->fit.front.pole_s > 1e-6 ? 1 / (2 * TD_PI * c->fit.front.pole_s) : 0;
     p->sensor.photoreceptor_law = c->fit.front.law;
 }
 

@@ -1,5 +1,6 @@
 /* Writes a calibration as a preset: values and their sources, in the format that run files use. */
 #include "td_calibrate.h"
+#include "td_math.h"
 #include "td_text.h"
 
 #include <cjson/cJSON.h>
@@ -49,7 +50,7 @@ static void add_spread(cJSON *item, double low, double high) {
     cJSON_AddItemToArray(spread, number(high));
 }
 
-static double cutoff_hz(double pole_s) { return 1 / (6.283185307179586 * pole_s); }
+static double cutoff_hz(double pole_s) { return 1 / (2 * TD_PI * pole_s); }
 
 static void put_pole(cJSON *root, const tides_calibration *found, const char *key, const char *source) {
     const tides_calibrated *v = &found->values[TIDES_CALIBRATED_POLE];

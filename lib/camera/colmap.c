@@ -22,7 +22,6 @@
 #include <unistd.h>
 
 enum { MODELS = 11, PARAMETERS_MAX = 12, FOV = 7 }; /* FOV: its index in `models` */
-#define PI 3.14159265358979323846
 
 /* COLMAP's models, in the order of their numbers. */
 static const struct {
@@ -94,7 +93,7 @@ static tides_status check_entry(const char *file, const entry *e, tides_error *e
         if (!isfinite(p[k]) || (k < models[e->model].focals && !(p[k] > 0)))
             return td_fail(error, TIDES_BAD_FILE, "%s: camera %lu: parameter %d of its model %s is %g; it must be finite%s",
                            file, id, k + 1, models[e->model].name, p[k], k < models[e->model].focals ? " and above 0" : "");
-    if (e->model == FOV && !(fabs(p[4]) < PI))
+    if (e->model == FOV && !(fabs(p[4]) < TD_PI))
         return td_fail(error, TIDES_BAD_FILE,
                        "%s: camera %lu: parameter 5 of its model FOV is %g; it is an angle in radians between -pi and pi", file,
                        id, p[4]);

@@ -13,7 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TD_PI 3.14159265358979323846
 #define TD_STEP_ANGLE 0.1         /* [rad] of the fastest motion per sample: 63 samples per turn */
 #define TD_FEWEST_SAMPLES 9       /* keeps the less accurate ends of the spline apart on short paths */
 #define TD_MOST_SAMPLES 1000000.0 /* 0.5 GB, 16 000 turns */

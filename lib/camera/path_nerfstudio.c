@@ -48,7 +48,7 @@ static tides_status read_interval(td_path_reader *reader, const cJSON *root, int
 
 static tides_status read_pose(td_path_reader *reader, const cJSON *item, const char *where, const tides_intrinsics *camera,
                               td_path_sample *sample) {
-    static const double degree = 3.14159265358979323846 / 180;
+    static const double degree = TD_PI / 180;
     double matrix[16], angle = 0;
     td_path_view view = {.intrinsics = *camera};
     tides_status status = td_json_vector(reader, item, where, "camera_to_world", matrix, 16);

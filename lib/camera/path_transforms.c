@@ -44,7 +44,7 @@ static tides_status read_intrinsics(td_path_reader *reader, const cJSON *frame, 
     for (int k = 0; k < 2; k++) {
         if (v[k] > INT32_MAX || v[k] != floor(v[k]))
             return td_json_fail(reader, where, keys[k], "must be a whole number of pixels");
-        if (v[6 + k] >= 3.14159265358979323846)
+        if (v[6 + k] >= TD_PI)
             return td_json_fail(reader, where, keys[6 + k], "is a field of view in radians and must be below pi");
         if (v[2 + k] <= 0.0 && v[6 + k] > 0.0 && v[k] > 0.0) v[2 + k] = focal_length(v[6 + k], v[k]);
     }

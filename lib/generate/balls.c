@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PI TD_GENERATE_PI
 #define GRAVITY 9.81     /* [m/s^2] */
 #define STIFFNESS 44000. /* [1/s^2]: half a period of this spring is 15 ms */
 #define DAMPING 0.03     /* [s/m] */
@@ -50,7 +49,7 @@ static double chance(const tides_generate_options *options, int32_t number, int3
  * height and the speed are random. */
 static void throw_ball(const tides_generate_options *options, int32_t number, bouncing *b) {
     static const double z_axis[3] = {0, 0, 1};
-    const double lane = ((number * 0.618034) - floor(number * 0.618034)), tilt = PI * chance(options, number, 0);
+    const double lane = ((number * 0.618034) - floor(number * 0.618034)), tilt = TD_PI * chance(options, number, 0);
     memset(b, 0, sizeof *b);
     b->radius = fmin(1, sqrt(7.0 / options->count)) * (0.13 + 0.11 * chance(options, number, 1));
     b->height = b->radius + 0.25 + 1.1 * chance(options, number, 2);
@@ -60,11 +59,11 @@ static void throw_ball(const tides_generate_options *options, int32_t number, bo
     b->place[2] = -0.6 + 1.3 * chance(options, number, 4);
     b->drift[0] = 0.35 * (chance(options, number, 5) - 0.5);
     b->drift[2] = 0.2 * (chance(options, number, 6) - 0.5);
-    b->phase = 2 * PI * chance(options, number, 7);
+    b->phase = 2 * TD_PI * chance(options, number, 7);
     b->spin.axis[0] = td_cos(tilt);
     b->spin.axis[1] = td_sin(tilt);
     b->spin.rate = 3 + 9 * chance(options, number, 8);
-    td_quaternion_about(z_axis, 2 * PI * chance(options, number, 9), b->spin.rest);
+    td_quaternion_about(z_axis, 2 * TD_PI * chance(options, number, 9), b->spin.rest);
 }
 
 static tides_status add(const tides_generate_options *options, int32_t number, tides_scene *scene, tides_error *error) {

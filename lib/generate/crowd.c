@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PI TD_GENERATE_PI
 #define FRAME_S 0.02 /* [s] between keyframes; longer if the run would have more than FRAMES_MOST of them */
 enum { RIGID, POLYNOMIAL, KEYFRAMES, MODELS, FRAMES_MOST = 64 };
 #define FLIGHT_MOST 1.3     /* [m]: total flight of a polynomial, for any length of the run */
@@ -36,15 +35,15 @@ static member member_of(const tides_generate_options *options, int32_t number) {
     for (int k = 0; k < 3; k++) {
         m.centre[k] = low[k] + span[k] * chance(options, number, k);
         m.reach[k] = (0.08 + 0.17 * chance(options, number, 10 + k)) * fmin(1, crowding);
-        m.rate[k] = 2 * PI * (0.8 + 1.7 * chance(options, number, 13 + k));
-        m.phase[k] = 2 * PI * chance(options, number, 16 + k);
+        m.rate[k] = 2 * TD_PI * (0.8 + 1.7 * chance(options, number, 13 + k));
+        m.phase[k] = 2 * TD_PI * chance(options, number, 16 + k);
     }
     m.radius = fmin(0.22, (0.07 + 0.08 * chance(options, number, 4)) * crowding);
-    m.axis[0] = td_sin(polar) * td_cos(2 * PI * chance(options, number, 5));
-    m.axis[1] = td_sin(polar) * td_sin(2 * PI * chance(options, number, 5));
+    m.axis[0] = td_sin(polar) * td_cos(2 * TD_PI * chance(options, number, 5));
+    m.axis[1] = td_sin(polar) * td_sin(2 * TD_PI * chance(options, number, 5));
     m.axis[2] = td_cos(polar);
     m.spin = 12 * (chance(options, number, 6) - 0.5);
-    td_quaternion_about(m.axis, 2 * PI * chance(options, number, 7), m.rest);
+    td_quaternion_about(m.axis, 2 * TD_PI * chance(options, number, 7), m.rest);
     return m;
 }
 
@@ -185,7 +184,7 @@ typedef struct polynomial_arrays {
 static void throw_all(const herd *h, const polynomial_arrays *arrays) {
     for (int32_t m = 0; m < h->members; m++) {
         const member *thing = &h->member[m];
-        const double heading = 2 * PI * chance(h->options, thing->number, 20);
+        const double heading = 2 * TD_PI * chance(h->options, thing->number, 20);
         const double way = fmin(FLIGHT_MOST, 1.6 * h->options->speed * h->options->duration_s);
         const float flight[9] = {(float)(way * td_cos(heading)), (float)(way * td_sin(heading)), 0, 0, (float)(-0.8 * way), 0};
         const int fades = m % 3 == 2;

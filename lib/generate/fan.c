@@ -7,8 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-#define PI TD_GENERATE_PI
-
 enum { BLADES = 5 };
 #define FAN_X 0.0       /* [m] of the hub */
 #define FAN_Y 0.18      /* [m] */
@@ -45,8 +43,8 @@ static void blade_surface(const void *shape, double u, double v, double point[3]
     const int32_t blade = *(const int32_t *)shape;
     const double radius = 0.13 + (FAN_RADIUS - 0.13) * u;
     const double past = fmax(u - 0.9, 0) / 0.105; /* where the tip is rounded */
-    const double half_width = 0.33 * td_pow(td_sin(PI * (0.18 + 0.72 * u)), 0.6) * sqrt(1 - past * past);
-    const double angle = 2 * PI * blade / BLADES - 0.55 * u + (2 * v - 1) * half_width;
+    const double half_width = 0.33 * td_pow(td_sin(TD_PI * (0.18 + 0.72 * u)), 0.6) * sqrt(1 - past * past);
+    const double angle = 2 * TD_PI * blade / BLADES - 0.55 * u + (2 * v - 1) * half_width;
     point[0] = radius * td_cos(angle);
     point[1] = radius * td_sin(angle);
     point[2] = 0.14 * (2 * v - 1) * half_width * (1.3 - 0.6 * u);
@@ -65,7 +63,7 @@ static void blade_surface(const void *shape, double u, double v, double point[3]
 static void hub_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     static const double gold[3] = {0.95, 0.78, 0.25}, black[3] = {0.08, 0.08, 0.10};
     (void)shape;
-    const double polar = 0.5 * PI * v, angle = -2 * PI * u;
+    const double polar = 0.5 * TD_PI * v, angle = -2 * TD_PI * u;
     point[0] = 0.15 * td_sin(polar) * td_cos(angle);
     point[1] = 0.15 * td_sin(polar) * td_sin(angle);
     point[2] = 0.03 + 0.09 * td_cos(polar);
@@ -83,9 +81,9 @@ static void build_blades(td_splats *splats, const void *shape) {
 static void foot_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     static const double steel[3] = {0.30, 0.33, 0.38}, rim[3] = {0.72, 0.74, 0.78};
     (void)shape;
-    point[0] = FAN_X + 0.36 * v * td_cos(2 * PI * u);
+    point[0] = FAN_X + 0.36 * v * td_cos(2 * TD_PI * u);
     point[1] = TD_TABLE_Y + 0.03 + 0.05 * (1 - v * v);
-    point[2] = -0.2 + 0.30 * v * td_sin(2 * PI * u);
+    point[2] = -0.2 + 0.30 * v * td_sin(2 * TD_PI * u);
     memcpy(colour, v > 0.88 ? rim : steel, sizeof steel);
 }
 
@@ -109,13 +107,14 @@ static void build_guard(td_splats *splats, const void *shape) {
     for (size_t ring = 0; ring < sizeof radii / sizeof radii[0]; ring++)
         for (int32_t i = 0; i < PIECES; i++) {
             double a[3], b[3];
-            place(radii[ring] * td_cos(2 * PI * i / PIECES), radii[ring] * td_sin(2 * PI * i / PIECES), 0.15, a);
-            place(radii[ring] * td_cos(2 * PI * (i + 1) / PIECES), radii[ring] * td_sin(2 * PI * (i + 1) / PIECES), 0.15, b);
+            place(radii[ring] * td_cos(2 * TD_PI * i / PIECES), radii[ring] * td_sin(2 * TD_PI * i / PIECES), 0.15, a);
+            place(radii[ring] * td_cos(2 * TD_PI * (i + 1) / PIECES), radii[ring] * td_sin(2 * TD_PI * (i + 1) / PIECES), 0.15,
+                  b);
             td_splats_line(splats, a, b, 1, widths[ring], chrome);
         }
     for (int32_t i = 0; i < SPOKES; i++) {
         double a[3], b[3];
-        const double angle = 2 * PI * (i + 0.5) / SPOKES;
+        const double angle = 2 * TD_PI * (i + 0.5) / SPOKES;
         place(0.14 * td_cos(angle), 0.14 * td_sin(angle), 0.17, a);
         place(0.86 * td_cos(angle), 0.86 * td_sin(angle), 0.15, b);
         td_splats_line(splats, a, b, 14, 0.0045, chrome);
@@ -128,7 +127,7 @@ tides_status td_generate_fan(const tides_generate_options *options, tides_world 
     static const td_part stand = {"stand", build_stand, NULL, 0, 0}, guard = {"guard", build_guard, NULL, 0, 0};
     static const double x_axis[3] = {1, 0, 0}, y_axis[3] = {0, 1, 0};
     const td_part blades = {"blades", build_blades, NULL, td_generate_detail(options, TD_FAN_GAUSSIANS), 0};
-    td_turning turning = {.centre = {FAN_X, FAN_Y, 0}, .axis = {0, 0, 1}, .rate = 2 * PI * 4.0}; /* 4 turns per second */
+    td_turning turning = {.centre = {FAN_X, FAN_Y, 0}, .axis = {0, 0, 1}, .rate = 2 * TD_PI * 4.0}; /* 4 turns per second */
     double about_x[4], about_y[4];
     td_quaternion_about(x_axis, TILT, about_x);
     td_quaternion_about(y_axis, TURN, about_y);

@@ -7,8 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PI TD_GENERATE_PI
-
 /* -- plane: a mosaic of cells with different colours and patterns ------------------------------------------- */
 
 enum { CELLS_X = 16, CELLS_Y = 12, PATTERNS = 7 };
@@ -48,7 +46,7 @@ static void build_plane(td_splats *splats, const void *seed) { td_splats_cover(s
  * 346 px width. */
 static void slide(void *shape, tides_pose_sample *sample) {
     static const double along_minus_z[4] = {0, 1, 0, 0}; /* half a turn about x */
-    static const double reach[3] = {0.50, 0.28, 0.12}, rate[3] = {2 * PI * 0.7, 2 * PI * 0.9, 2 * PI * 0.5};
+    static const double reach[3] = {0.50, 0.28, 0.12}, rate[3] = {2 * TD_PI * 0.7, 2 * TD_PI * 0.9, 2 * TD_PI * 0.5};
     const double *middle = shape;
     for (int k = 0; k < 3; k++) {
         sample->position[k] = middle[k] + reach[k] * td_sin(rate[k] * sample->time);
@@ -75,7 +73,7 @@ static tides_status add_disc(const tides_generate_options *options, int32_t numb
     td_turning turning = {.centre = {cell * (column - 0.5 * (columns - 1)), cell * (0.5 * (rows - 1) - row) + 0.05, 0},
                           .rest = {1, 0, 0, 0},
                           .axis = {0, 0, 1},
-                          .rate = 2 * PI * (3 + 3 * td_hash((int32_t)options->seed, number, 11))};
+                          .rate = 2 * TD_PI * (3 + 3 * td_hash((int32_t)options->seed, number, 11))};
     if (number % 2) turning.rate = -turning.rate;
     td_colour_pair(options->seed, number, disc.light, disc.dark);
     char name[32];

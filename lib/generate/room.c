@@ -6,8 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#define PI TD_GENERATE_PI
-
 static void mix(const double a[3], const double b[3], double share, double mixed[3]) {
     for (int i = 0; i < 3; i++) mixed[i] = a[i] + share * (b[i] - a[i]);
 }
@@ -105,9 +103,9 @@ static void title_poster(td_splats *splats) {
     poster_text(splats, "TIDES", paper.left + 0.09, paper.bottom + 0.69, z, white);
     for (int32_t wave = 0; wave < 3; wave++)
         for (int32_t i = 0; i < 40; i++) {
-            const double x = 0.08 + 0.90 * (i + 0.5) / 40, phase = 2 * PI * (2.5 * x + 0.21 * wave);
+            const double x = 0.08 + 0.90 * (i + 0.5) / 40, phase = 2 * TD_PI * (2.5 * x + 0.21 * wave);
             const double point[3] = {paper.left + x, paper.bottom + 0.34 - 0.11 * wave + 0.035 * td_sin(phase), z};
-            const double along[3] = {1, 0.035 * 2 * PI * 2.5 * td_cos(phase), 0}, sigma[3] = {0.020, 0.010, 0.002};
+            const double along[3] = {1, 0.035 * 2 * TD_PI * 2.5 * td_cos(phase), 0}, sigma[3] = {0.020, 0.010, 0.002};
             td_splats_add(splats, point, along, up, sigma, wave == 1 ? white : foam);
         }
 }
@@ -115,7 +113,7 @@ static void title_poster(td_splats *splats) {
 /* Surface of a Siemens star: black and white sectors, whose stripes become finer towards the centre. */
 static void star_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     static const double white[3] = {0.95, 0.94, 0.90}, black[3] = {0.07, 0.07, 0.09};
-    const double *centre = shape, radius = 0.03 + 0.40 * v, angle = -2 * PI * u; /* faces the room */
+    const double *centre = shape, radius = 0.03 + 0.40 * v, angle = -2 * TD_PI * u; /* faces the room */
     point[0] = centre[0] + radius * td_cos(angle);
     point[1] = centre[1] + radius * td_sin(angle);
     point[2] = centre[2];

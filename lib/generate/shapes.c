@@ -6,8 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#define PI TD_GENERATE_PI
-
 static void paint(const double from[3], double colour[3]) { memcpy(colour, from, 3 * sizeof *colour); }
 
 /* -- colours ------------------------------------------------------------------------------------------------------------ */
@@ -49,7 +47,7 @@ static void ball_colour(const td_ball *b, double u, double v, double colour[3]) 
 
 /* Surface of a ball. Its pole leans towards the camera, so that a pattern doesn't look like a globe. */
 static void ball_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
-    const double longitude = 2 * PI * u, latitude = PI * (v - 0.5), lean = 0.6;
+    const double longitude = 2 * TD_PI * u, latitude = TD_PI * (v - 0.5), lean = 0.6;
     const double y = td_sin(latitude), z = td_cos(latitude) * td_cos(longitude);
     point[0] = td_cos(latitude) * td_sin(longitude);
     point[1] = td_cos(lean) * y - td_sin(lean) * z;
@@ -63,7 +61,7 @@ void td_build_ball(td_splats *splats, const void *ball) { td_splats_cover(splats
 
 static void disc_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     const td_disc *disc = shape;
-    const double radius = 0.04 + 0.96 * v, angle = -2 * PI * u; /* faces +z */
+    const double radius = 0.04 + 0.96 * v, angle = -2 * TD_PI * u; /* faces +z */
     point[0] = radius * td_cos(angle);
     point[1] = radius * td_sin(angle);
     /* Sectors are tilted vanes: neighbours differ in depth, and keep their order as the disc turns. */
@@ -124,9 +122,9 @@ static void tube_surface(const void *shape, double u, double v, double point[3],
     other[1] = axis[2] * side[0] - axis[0] * side[2];
     other[2] = axis[0] * side[1] - axis[1] * side[0];
     for (int i = 0; i < 3; i++)
-        point[i] =
-            t->from[i] + v * length * axis[i] +
-            t->radius * (td_cos(2 * PI * u) * side[i] + td_sin(2 * PI * u) * other[i]); /* so that u x v points outwards */
+        point[i] = t->from[i] + v * length * axis[i] +
+                   t->radius *
+                       (td_cos(2 * TD_PI * u) * side[i] + td_sin(2 * TD_PI * u) * other[i]); /* so that u x v points outwards */
     paint(t->colour, colour);
 }
 

@@ -6,8 +6,6 @@
 #include "camera/td_rotation.h"
 #include "scene/td_scene.h"
 
-#define TD_GENERATE_PI 3.14159265358979323846
-
 /* -- Gaussians that lie in surfaces, shaded once by a fixed light ----------------------------------------*/
 
 /* A growing set of Gaussians. If memory is short, `status` and `error` are set, and nothing more is added. */

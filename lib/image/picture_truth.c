@@ -30,7 +30,7 @@ void td_depth_range(const double *depth, size_t pixels, double *near, double *fa
 }
 
 void tides_picture_flow(const double *u, const double *v, int32_t width, int32_t height, double limit, uint8_t *rgb) {
-    static const double turn = 6.28318530717958647693;
+    static const double turn = 2 * TD_PI;
     const size_t pixels = pixels_of(width, height);
     if (!(limit > 0)) limit = td_fastest(u, v, pixels);
     for (size_t i = 0; i < pixels; i++) {
@@ -84,7 +84,7 @@ static uint8_t *pixel_at(uint8_t *rgb, int32_t width, int32_t x, int32_t y) {
 }
 
 void tides_picture_flow_key(uint8_t *rgb, int32_t width, int32_t height) {
-    static const double turn = 6.28318530717958647693;
+    static const double turn = 2 * TD_PI;
     const int32_t size = key_size(width, height), left = width - size - KEY_MARGIN, top = height - size - KEY_MARGIN;
     const double radius = 0.5 * size;
     for (int32_t y = 0; y < size; y++) {

@@ -19,7 +19,6 @@
 
 /* Largest number of harmonics that a motion may have. */
 enum { HARMONICS_MOST = 4 };
-static const double PI = 3.14159265358979323846;
 
 typedef struct rotor_fields {
     const td_field *centre, *log_scale_time, *quaternion_right, *sh_harmonic; /* the last two may be NULL */
@@ -156,7 +155,7 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
 }
 
 static double frequency(const tides_motion *motion) {
-    return 2 * PI / td_motion_setting(motion, "period", motion->stop - motion->start);
+    return 2 * TD_PI / td_motion_setting(motion, "period", motion->stop - motion->start);
 }
 
 static void pack_colour(const tides_motion *motion, const rotor_fields *fields, const tides_gaussians *gaussians, int64_t i,
@@ -235,7 +234,7 @@ static void scales(const tides_motion *motion, const tides_gaussians *gaussians,
         if (!found || pack_geometry(motion, &fields, gaussians, i, row, NULL) != TIDES_OK) continue;
         scales[i].centre = row[TD_ROTOR_CENTRE];
         scales[i].width = 1 / row[TD_ROTOR_NARROWNESS];
-        if (!colour_rests(&fields, i)) scales[i].always = 2 * PI / (frequency(motion) * fields.harmonics);
+        if (!colour_rests(&fields, i)) scales[i].always = 2 * TD_PI / (frequency(motion) * fields.harmonics);
     }
 }
 

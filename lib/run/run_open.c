@@ -268,7 +268,7 @@ static tides_status find_orbit(const tides_run *run, const tides_scene *scene, t
     const double tangent = fmin(intrinsics->width / intrinsics->fx, intrinsics->height / intrinsics->fy);
     status = tides_scene_orbit(scene, cJSON_IsArray(up) ? own : NULL, 2 * td_atan2(0.5 * tangent, 1), &orbit, error);
     if (status != TIDES_OK) return status;
-    orbit.angular_speed = 2 * 3.14159265358979323846 / turn;
+    orbit.angular_speed = 2 * TD_PI / turn;
     orbit.start = turn * floor(start / turn);
     orbit.stop = turn * ceil(td_run_number(run, "time.stop") / turn);
     orbit.start_angle = 0;

@@ -8,8 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 /* -- spherical harmonics ------------------------------------------------------------------------------------------------- */
 
 /* MOST: coefficients of all bands. NODES and TURNS: points of an integral over the sphere, along z and around it. */
@@ -21,7 +19,7 @@ static void band(const double d[3], int l, double *y) {
     /* cosine, sine: of m times the azimuth, both times sin(polar angle)^m. start: Legendre's P_mm without this power */
     double cosine = 1, sine = 0, start = 1;
     for (int m = 0; m <= l; m++) {
-        double factor = (2 * l + 1) / (4 * pi), before = 0, p = start;
+        double factor = (2 * l + 1) / (4 * TD_PI), before = 0, p = start;
         for (int k = l - m + 1; k <= l + m; k++) factor /= k;
         for (int k = m + 1; k <= l; k++) {
             const double next = ((2 * k - 1) * d[2] * p - (k + m - 1) * before) / (k - m);
@@ -48,14 +46,15 @@ static void band_rotation(const double r[9], int l, double *matrix) {
     double here[2 * BANDS], there[2 * BANDS];
     memset(matrix, 0, (size_t)(width * width) * sizeof *matrix);
     for (int i = 0; i < NODES * TURNS; i++) {
-        const double z = at[i / TURNS], around = 2 * pi * (i % TURNS) / TURNS, off = sqrt(1 - z * z);
+        const double z = at[i / TURNS], around = 2 * TD_PI * (i % TURNS) / TURNS, off = sqrt(1 - z * z);
         const double u[3] = {off * td_cos(around), off * td_sin(around), z};
         double back[3];
         for (int k = 0; k < 3; k++) back[k] = r[k] * u[0] + r[3 + k] * u[1] + r[6 + k] * u[2];
         band(u, l, here);
         band(back, l, there);
         for (int j = 0; j < width; j++)
-            for (int k = 0; k < width; k++) matrix[width * j + k] += weight[i / TURNS] * (2 * pi / TURNS) * here[j] * there[k];
+            for (int k = 0; k < width; k++)
+                matrix[width * j + k] += weight[i / TURNS] * (2 * TD_PI / TURNS) * here[j] * there[k];
     }
     for (int i = 0; i < width * width; i++) { /* under half turns about an axis all entries are 0, 1 or -1: make them exact */
         const double whole = floor(matrix[i] + 0.5);

@@ -28,8 +28,6 @@ static const double margin = 1.05; /* factor of the distance, since Gaussians ex
 static const double raised = 0.35; /* the camera's height over the orbit's radius: 19 degrees above the middle */
 static const double turn_s = 12.0; /* [s] for one turn */
 static const double flat = 0.5;    /* z is up if the scene's height is below this part of its smaller width */
-static const double two_pi = 6.28318530717958647692;
-
 typedef struct survey {
     double *at[3], *distance; /* SAMPLES each; one allocation */
     size_t count;
@@ -185,7 +183,7 @@ static double choose(survey *s, tides_orbit *orbit, double tangent) {
 
 tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], double field_of_view, tides_orbit *orbit,
                                tides_error *error) {
-    if (!scene || !orbit || !(field_of_view > 0) || !(field_of_view < 0.5 * two_pi))
+    if (!scene || !orbit || !(field_of_view > 0) || !(field_of_view < TD_PI))
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_scene_orbit: needs a scene, a place for the orbit, and a field of view in "
                        "(0, pi)");
@@ -193,7 +191,7 @@ tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], dou
     double width[3];
     tides_status status = take_survey(scene, &s, error);
     if (status == TIDES_OK) {
-        *orbit = (tides_orbit){.angular_speed = two_pi / turn_s, .stop = turn_s};
+        *orbit = (tides_orbit){.angular_speed = 2 * TD_PI / turn_s, .stop = turn_s};
         find_middle(&s, width, orbit->target);
         if (!tides_scene_up(scene, orbit->up)) guess_up(width, orbit->up);
         if (up) memcpy(orbit->up, up, sizeof orbit->up);

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "generate/td_generate.h"
+#include "td_math.h"
 #include "tests/support/scene_folder.h"
 
 #include <math.h>
@@ -119,7 +120,7 @@ static void test_counts_and_times(void **state) {
         assert_true(stop >= 0.25);
         assert_true(world.intrinsics.width == 640);
         assert_true(world.intrinsics.height == 480);
-        assert_true(fabs(2 * atan(320 / world.intrinsics.fx) - 60 * TD_GENERATE_PI / 180) < 0.002);
+        assert_true(fabs(2 * atan(320 / world.intrinsics.fx) - 60 * TD_PI / 180) < 0.002);
         tides_world_release(&world);
     }
 }

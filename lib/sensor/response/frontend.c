@@ -10,8 +10,6 @@
 #include <float.h>
 #include <math.h>
 
-static const double two_pi = 6.28318530717958647693;
-
 /* -- parameters ------------------------------------------------------------------------------------------------------------ */
 
 static tides_status check_positive(const char *field, double value, tides_error *error) {
@@ -73,15 +71,15 @@ static void make_circuit(const tides_circuit *circuit, td_frontend *frontend) {
     frontend->input_s = circuit->photodiode_f * circuit->thermal_v;
     frontend->miller_s = circuit->miller_f * circuit->thermal_v;
     frontend->loop = circuit->gain * circuit->kappa + 1;
-    frontend->source_follower = two_pi * circuit->source_follower_hz;
-    frontend->difference = two_pi * circuit->difference_hz;
+    frontend->source_follower = 2 * TD_PI * circuit->source_follower_hz;
+    frontend->difference = 2 * TD_PI * circuit->difference_hz;
     if (frontend->source_follower > 0 && frontend->difference > 0) part_equal_poles(frontend);
 }
 
 static void make_first_order(const tides_sensor *sensor, td_frontend *frontend) {
     int follows_light = sensor->photoreceptor_law == TIDES_PHOTORECEPTOR_INTENSITY;
     frontend->kind = follows_light ? TD_FRONTEND_INTENSITY : TD_FRONTEND_CONSTANT;
-    frontend->rate = two_pi * sensor->photoreceptor_cutoff_hz;
+    frontend->rate = 2 * TD_PI * sensor->photoreceptor_cutoff_hz;
     if (sensor->photoreceptor_half_a > 0) {
         const double I = td_middle_current(&sensor->circuit);
         frontend->rate *= I / (I + sensor->photoreceptor_half_a);

@@ -3,11 +3,10 @@
 #include "td_highpass.h"
 #include "td_base.h"
 #include "td_lowpass.h"
+#include "td_math.h"
 
 #include <float.h>
 #include <math.h>
-
-static const double two_pi = 6.28318530717958647693;
 
 tides_status td_highpass_make(const tides_sensor *sensor, td_frontend *frontend, tides_error *error) {
     const double corner = sensor->highpass_hz;
@@ -20,7 +19,7 @@ tides_status td_highpass_make(const tides_sensor *sensor, td_frontend *frontend,
                        "and bandwidth to first_order, or highpass_hz to 0",
                        corner);
     frontend->kind = TD_FRONTEND_HIGHPASS; /* rate 0: no low-pass before it */
-    frontend->highpass = two_pi * corner;
+    frontend->highpass = 2 * TD_PI * corner;
     return TIDES_OK;
 }
 

@@ -10,8 +10,6 @@
 
 enum { ROWS = 4, COLUMNS = 32 }; /* block of the product: sums stay in L1, a panel in L2 */
 
-static const double pi = 3.14159265358979323846;
-
 /* Number of even (parity 0) or odd (1) modes among `size` modes. It equals the number of sums or differences of pixels on both
  * sides of the middle; an odd size has a middle pixel, which counts as a sum. */
 static int modes_of(int size, int parity) { return (size + !parity) / 2; }
@@ -23,11 +21,11 @@ static void fill(int size, int parity, double *forward, double *back, double *mu
     for (int i = 0; i < count; i++) {
         const int k = 2 * i + parity;
         double scale = sqrt((k == 0 ? 1.0 : 2.0) / size);
-        mu[i] = 2 - 2 * td_cos(pi * k / size);
+        mu[i] = 2 - 2 * td_cos(TD_PI * k / size);
         for (int n = 0; n < count; n++) {
             /* The angle, reduced exactly: cos has the period 4 size in (2 n + 1) k. */
             int64_t turn = (int64_t)(2 * n + 1) * k % (4 * (int64_t)size);
-            back[(size_t)i * count + n] = forward[(size_t)n * count + i] = scale * td_cos(pi * (double)turn / (2.0 * size));
+            back[(size_t)i * count + n] = forward[(size_t)n * count + i] = scale * td_cos(TD_PI * (double)turn / (2.0 * size));
         }
     }
 }
