@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SENSORS = BENCH_CALIBRATE_SENSORS, SENSORS_QUICK = 1, MEASURED = 6, SETS = 20, SET_CHARS = 4400, LIGHTS = 4 };
+enum { SENSORS_QUICK = 1, MEASURED = 6, SETS = 20, SET_CHARS = 4400, LIGHTS = 4 };
 /* Frames that a sensor is measured from [Hz]; 0: the scene itself. An exposure lasts a quarter of their period. */
 static const double lights[LIGHTS] = {0, 100, 50, 25};
 #define EXPOSED 0.25
@@ -340,7 +340,7 @@ static int32_t is_asked(const bench *b, int32_t i) {
 }
 
 static tides_status measure_scene(bench *b, const char *name, calibrate_rows *all, tides_error *error) {
-    const int32_t sensors = b->quick ? SENSORS_QUICK : SENSORS;
+    const int32_t sensors = b->quick ? SENSORS_QUICK : BENCH_CALIBRATE_SENSORS;
     char events[4300] = "";
     calibrate_scene *scene = malloc(sizeof *scene);
     calibrate_row *grown = realloc(all->rows, (all->count + (size_t)sensors * LIGHTS) * sizeof *grown);

@@ -162,19 +162,24 @@ static double bend_of(const double b[4], double s) {
     return 6 * ((1 - s) * (b[0] - 2 * b[1] + b[2]) + s * (b[1] - 2 * b[2] + b[3]));
 }
 
-/* Notes the zero of the cubic in [from, to], where it is monotone, if it has one. */
-static void note_level(const double b[4], double from, double to, double within, const pair *of, int k) {
-    enum { HALVINGS = 24 };
-    const double begin = value_of(b, from), end = value_of(b, to);
-    if (!(begin < 0) == !(end < 0)) return;
-    for (int i = 0; i < HALVINGS; i++) {
-        const double middle = 0.5 * (from + to), here = value_of(b, middle);
-        if (!(here < 0) == !(begin < 0))
+/* Where in [from, to] a cubic passes a level, found by so many halvings. It may pass the level once there. */
+static double reach(const double b[4], double level, double from, double to, int halvings) {
+    const int begins_below = value_of(b, from) < level;
+    for (int i = 0; i < halvings; i++) {
+        const double middle = 0.5 * (from + to);
+        if ((value_of(b, middle) < level) == begins_below)
             from = middle;
         else
             to = middle;
     }
-    const double s = 0.5 * (from + to);
+    return 0.5 * (from + to);
+}
+
+/* Notes the zero of the cubic in [from, to], where it is monotone, if it has one. */
+static void note_level(const double b[4], double from, double to, double within, const pair *of, int k) {
+    enum { HALVINGS = 24 };
+    if ((value_of(b, from) < 0) == (value_of(b, to) < 0)) return;
+    const double s = reach(b, 0, from, to, HALVINGS);
     note_time(of, k, s, within / fabs(slope_of(b, s)));
 }
 
@@ -222,25 +227,13 @@ static void note_part(const pair *of, double near, int k) {
  * its quintic s. Pixels of a block pass it a little before or after its middle. */
 static const double taken = 0.26, unevenly = 1.3;
 
-/* The place in [0, 1] at which a cubic that rises or falls reaches a level, between its ends. */
-static double reach(const double b[4], double level) {
-    enum { HALVINGS = 16 };
-    double from = 0, to = 1;
-    for (int i = 0; i < HALVINGS; i++) {
-        const double middle = 0.5 * (from + to);
-        if ((value_of(b, middle) < level) == (b[0] < level))
-            from = middle;
-        else
-            to = middle;
-    }
-    return 0.5 * (from + to);
-}
+/* The halvings by which places and depths of a fade are found. */
+enum { FADE_HALVINGS = 16 };
 
 /* The depth at which a splat has faded to this share of its opacity: smootherstep undone. */
 static double faded_to(const td_image *image, double share) {
-    enum { HALVINGS = 16 };
     double from = 0, to = 1;
-    for (int i = 0; i < HALVINGS; i++) {
+    for (int i = 0; i < FADE_HALVINGS; i++) {
         const double x = 0.5 * (from + to);
         if (x * x * x * (10 + x * (6 * x - 15)) < share)
             from = x;
@@ -257,7 +250,8 @@ static void note_fade(td_swap_tile *tile, const td_swap_splat *a, const form *f,
     const double x = tile->corner[0] + (block % 4 + 0.5) * TD_BLOCK, y = tile->corner[1] + (block / 4 + 0.5) * TD_BLOCK;
     const double least = image->cut * td_exp(form_at(f, x, y)), most = image->cut_full / image->cut * least;
     if (!(least < 1)) return;
-    const double begin = reach(z, faded_to(image, least)), end = reach(z, faded_to(image, td_lesser(most, 1)));
+    const double begin = reach(z, faded_to(image, least), 0, 1, FADE_HALVINGS);
+    const double end = reach(z, faded_to(image, td_lesser(most, 1)), 0, 1, FADE_HALVINGS);
     const double wide = unevenly * 0.5 * fabs(end - begin), light = taken * image->cut_full * a->luminance;
     const long part = lround((k + 0.5 * (begin + end)) * per_part);
     const td_swap swap = {tile->tile * TD_TILE_BLOCKS + block, (int32_t)part, (float)light, (float)(wide * per_part)};
@@ -273,7 +267,7 @@ void td_swaps_look_at_fade(td_swap_tile *tile, const td_swap_splat *a) {
         const double third = tile->at->h / 3, from = a->z[k], to = a->z[k + 1];
         const double z[4] = {from, from + third * a->z_dot[k], to - third * a->z_dot[k + 1], to};
         if (td_greater(from, to) <= image->near || td_lesser(from, to) >= image->near_full) continue;
-        const double s = reach(z, faded_to(image, 0.5));
+        const double s = reach(z, faded_to(image, 0.5), 0, 1, FADE_HALVINGS);
         if (!find_form(image, tile->at, a, k, s, &f)) continue;
         for (int i = 0; i < TD_TILE_BLOCKS; i++)
             if (blocks >> i & 1) note_fade(tile, a, &f, i, z, k);

@@ -157,10 +157,6 @@ static tides_status set(tides_run *run, const tides_param *row, const cJSON *val
     return td_run_store(run, row, value, error);
 }
 
-static tides_status given_twice(const char *where, const char *key, tides_error *error) {
-    return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", where, key);
-}
-
 /* Applies one value of the preset, which may be plain or have a source. */
 static tides_status apply(tides_run *run, const char *where, const char *group, const cJSON *item, kept_keys *kept,
                           tides_error *error) {
@@ -168,7 +164,7 @@ static tides_status apply(tides_run *run, const char *where, const char *group, 
     int length = snprintf(key, sizeof key, "%s.%s", group, item->string);
     const tides_param *row = length > 0 && (size_t)length < sizeof key ? td_param_find(key) : NULL;
     if (!row || strcmp(key, "sensor.preset") == 0) return td_param_unknown(where, key, error);
-    if (td_is_repeated(item)) return given_twice(where, key, error);
+    if (td_is_repeated(item)) return td_given_twice(where, key, error);
     if (strcmp(group, "image") == 0 && strcmp(key, "image.log_eps") != 0)
         return td_fail(error, TIDES_BAD_CONFIG,
                        "%s: %s: of image a preset holds log_eps alone, its sensor's black level; the rest is the scene's",
@@ -184,7 +180,7 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
     if (!cJSON_IsObject(root)) return td_fail(error, TIDES_BAD_CONFIG, "%s: isn't a JSON object { ... }", where);
     cJSON_ArrayForEach(group, root) {
         const int32_t told = td_preset_tells(group);
-        if ((told > 0 || may_hold(group->string)) && td_is_repeated(group)) return given_twice(where, group->string, error);
+        if ((told > 0 || may_hold(group->string)) && td_is_repeated(group)) return td_given_twice(where, group->string, error);
         if (told > 0) continue;
         if (told < 0)
             return td_fail(error, TIDES_BAD_CONFIG,

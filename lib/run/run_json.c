@@ -35,7 +35,7 @@ static tides_status read_object(tides_run *run, const cJSON *object, const char 
         if (length < 0 || (size_t)length >= sizeof key || !(row || is_group)) return td_param_unknown(run->origin, key, error);
         /* "sensor.b_min" is also accepted as a key, as in --set, so a value may be given twice in two ways. */
         if (td_is_repeated(item) || (row && run->given[row - tides_params(NULL)] == TD_GIVEN_FILE))
-            return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", run->origin, key);
+            return td_given_twice(run->origin, key, error);
         if (is_group && !cJSON_IsObject(item))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is not an object; write \"%s\": { ... }", run->origin, key,
                            item->string);

@@ -147,6 +147,10 @@ int32_t td_is_repeated(const cJSON *item) {
     return 0;
 }
 
+tides_status td_given_twice(const char *where, const char *key, tides_error *error) {
+    return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", where, key);
+}
+
 /* Checks a key of an entry of scene.objects; `name` is "scene.objects[i]". */
 static tides_status check_object_key(const char *name, const cJSON *item, const char *where, tides_error *error) {
     static const char *const known[] = {"file", "trajectory", "scale", "part", "time_unit", "duration_s", "start_s", NULL};
@@ -176,7 +180,7 @@ static tides_status check_object_key(const char *name, const cJSON *item, const 
                        "time_unit, duration_s, start_s)",
                        where, key, name, nearest ? nearest : "file");
     }
-    return td_is_repeated(item) ? td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", where, key) : TIDES_OK;
+    return td_is_repeated(item) ? td_given_twice(where, key, error) : TIDES_OK;
 }
 
 static tides_status check_objects(const tides_param *row, const cJSON *value, const char *where, tides_error *error) {

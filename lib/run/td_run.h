@@ -47,8 +47,9 @@ tides_status td_param_check(const tides_param *row, const cJSON *value, const ch
  * choice. "" if it is neither a text nor one of these. */
 const char *td_choice_text(const cJSON *value);
 
-/* 1 if a later member of the object that holds `item` has its name. */
+/* td_is_repeated: 1 if a later member of the object that holds `item` has its name. td_given_twice: the error for that. */
 int32_t td_is_repeated(const cJSON *item);
+tides_status td_given_twice(const char *where, const char *key, tides_error *error);
 
 /* Reads JSON text of `bytes` bytes into run->values; applies one "key=value" on top. */
 tides_status td_run_read(tides_run *run, const char *text, size_t bytes, tides_error *error);

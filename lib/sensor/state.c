@@ -7,11 +7,16 @@
 
 #include <math.h>
 
-td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel) {
+/* The pixel's segment; what follows from its number, value and light is in `now`, or NULL and computed. */
+static td_noise_segment segment_of(const td_sensor *sensor, size_t pixel, const td_noise_now *now) {
     const uint64_t k = (uint64_t)sensor->segment.number[pixel];
     const double value = sensor->segment.value[pixel], light = sensor->segment.light ? sensor->segment.light[pixel] : 0;
-    if (sensor->segment.now) return td_additive_noise_again(&sensor->additive, k, value, light, &sensor->segment.now[pixel]);
+    if (now) return td_additive_noise_again(&sensor->additive, k, value, light, now);
     return td_additive_noise_resume(&sensor->additive, sensor->segment.pixel[pixel], k, value, light);
+}
+
+td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel) {
+    return segment_of(sensor, pixel, sensor->segment.now ? &sensor->segment.now[pixel] : NULL);
 }
 
 void td_sensor_put_segment(const td_sensor *sensor, size_t pixel, const td_noise_segment *segment) {
@@ -22,11 +27,9 @@ void td_sensor_put_segment(const td_sensor *sensor, size_t pixel, const td_noise
 }
 
 void td_sensor_resume_noise(const td_sensor *sensor, size_t pixel) {
-    const uint64_t k = (uint64_t)sensor->segment.number[pixel];
-    const double value = sensor->segment.value[pixel], light = sensor->segment.light ? sensor->segment.light[pixel] : 0;
     sensor->segment.ahead[pixel].until_ns = -INFINITY;
     if (!sensor->segment.now) return;
-    const td_noise_segment segment = td_additive_noise_resume(&sensor->additive, sensor->segment.pixel[pixel], k, value, light);
+    const td_noise_segment segment = segment_of(sensor, pixel, NULL);
     sensor->segment.now[pixel] = td_noise_now_of(&segment);
 }
 

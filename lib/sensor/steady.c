@@ -12,8 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double two_pi = 6.28318530717958647692;
-
 /* How long a pixel has been at rest: ten seconds, or until it has fired so often, but no more than five minutes or so many
  * periods of its leak. Rare events wear off slowly: after ten seconds an IMX636's pixels fire 2.8 times as often as after
  * minutes, in light of 100 lux. */
@@ -30,7 +28,7 @@ static const double drift_most = 0.25;
 static double time_per_sigma(double z) {
     double term = z, sum = z;
     for (int n = 1; term > 1e-17 * sum; n++) sum += term *= z * z / (2 * n + 1);
-    return 0.5 * sqrt(two_pi) * td_exp(0.5 * z * z) + sum;
+    return 0.5 * sqrt(2 * TD_PI) * td_exp(0.5 * z * z) + sum;
 }
 
 void td_steady_begin(td_sensor *sensor) {
@@ -122,10 +120,6 @@ TD_WIDE static void go(const float *restrict log_h, const float *restrict q, con
     }
 }
 
-static int holds(const td_sensor *sensor) {
-    return sensor->refractory_ns > 0 && sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD;
-}
-
 /* A time that doesn't depend on any event: one that ended with an event would favour events. [tau] */
 static double time_at_rest(const td_sensor *sensor, const lanes *l, int i, double tau) {
     const float *log_h = sensor->first.log_passage;
@@ -150,7 +144,7 @@ static void load(const td_sensor *sensor, const td_rested *at, int pixel, lanes 
     l->held[i] = (float)(sensor->refractory_ns / at->tau);
     l->keeps[i] = (float)hold.keeps;
     l->adds[i] = (float)hold.adds;
-    l->follows[i] = holds(sensor) ? 1.0f : 0.0f;
+    l->follows[i] = td_sensor_holds(sensor) ? 1.0f : 0.0f;
     l->most[i] = l->leak[i] > 0 ? (float)drift_most / l->leak[i] : INFINITY;
     l->o[i] = (float)((sensor->first.draw[at->i] * (on + off) - off) * per_sigma);
     l->age[i] = 0;
@@ -248,7 +242,7 @@ static td_initial follow_path(const td_sensor *sensor, const td_rested *at, cons
                 .off = sensor->threshold_off[at->i],
                 .leak = sensor->leak[at->i],
                 .held = sensor->refractory_ns,
-                .holds = holds(sensor),
+                .holds = td_sensor_holds(sensor),
                 .o = at->o,
                 .age = at->age};
     settle(&p, x[PATH * LANES]);

@@ -21,8 +21,8 @@ typedef struct td_block_noise {
     double on[TD_NOISY_BLOCK], off[TD_NOISY_BLOCK];             /* levels less bounds of noise and kicks */
     td_model input[TD_NOISY_BLOCK];                             /* log-luminance, for noise that varies */
     uint64_t quiet_before[TD_NOISY_BLOCK]; /* the noise reaches no level before this segment, unless the reference moves */
-    double low[TD_NOISY_BLOCK],
-        high[TD_NOISY_BLOCK]; /* bounds of S_eff, without noise and kicks, of pixels that are searched */
+    /* bounds of S_eff, without noise and kicks, of pixels that are searched */
+    double low[TD_NOISY_BLOCK], high[TD_NOISY_BLOCK];
     td_noise_path paths[TD_NOISY_BLOCK];
     /* of pixels that are swept, side by side */
     int swept;

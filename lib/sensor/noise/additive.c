@@ -8,8 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double two_pi = 6.28318530717958647692;
-
 /* A choice. Where segments are long few points are drawn for pixels that are far from their levels, but the noise's bound on a
  * segment is wide. User time of the demo's first 50 ms, with a threshold of 10 noise_rms: 6.4 s with 8 per tau, 5.0 with 4,
  * 4.6 with 2, 4.4 with 1. With 1 the process would be up to 8 % wider than the bridge that its bound is of
@@ -35,15 +33,15 @@ static tides_status take_light(td_additive_noise *noise, double *tau_ns, tides_e
     td_noise_light_at(&noise->light, darkest, &dark_sigma, &dark_tau_ns);
     td_noise_light_at(&noise->light, brightest, &noise->sigma, tau_ns);
     noise->sigma = fmax(noise->sigma, dark_sigma);
-    if (*tau_ns >= 1e9 / (two_pi * largest_cutoff_hz)) return TIDES_OK;
+    if (*tau_ns >= 1e9 / (2 * TD_PI * largest_cutoff_hz)) return TIDES_OK;
     return td_fail(error, TIDES_BAD_ARGUMENT, "noise_law photocurrent: a bandwidth of %g Hz at Y = 1; it must be at most %g",
-                   1e9 / (two_pi * *tau_ns), largest_cutoff_hz);
+                   1e9 / (2 * TD_PI * *tau_ns), largest_cutoff_hz);
 }
 
 td_noise_move td_noise_move_of(double sigma, double l) { return (td_noise_move){td_exp(-l), sigma * sqrt(-td_expm1(-2 * l))}; }
 
 tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, td_additive_noise *noise, tides_error *error) {
-    double tau_ns = 1e9 / (two_pi * sensor->noise_cutoff_hz);
+    double tau_ns = 1e9 / (2 * TD_PI * sensor->noise_cutoff_hz);
     memset(noise, 0, sizeof *noise);
     tides_status status = check(sensor, error);
     if (status == TIDES_OK) status = td_noise_light_make(sensor, log_eps, &noise->light, error);
@@ -147,16 +145,17 @@ td_noise_segment td_additive_noise_resume(const td_additive_noise *noise, uint32
 
 td_noise_segment td_additive_noise_again(const td_additive_noise *noise, uint64_t k, double value, double light,
                                          const td_noise_now *now) {
-    td_noise_segment segment = {.k = k, .begin = value, .light = light};
-    segment.origin_ns = now->origin_ns;
-    segment.own = now->own;
-    segment.sigma = now->sigma;
-    segment.tau_ns = now->tau_ns;
-    segment.reach = now->reach;
-    segment.end = now->end;
-    segment.from_ns = segment.origin_ns + (double)k * noise->spacing_ns;
-    segment.to_ns = end_of_segment(noise, segment.origin_ns, (double)k);
-    return segment;
+    return (td_noise_segment){.k = k,
+                              .begin = value,
+                              .light = light,
+                              .origin_ns = now->origin_ns,
+                              .own = now->own,
+                              .sigma = now->sigma,
+                              .tau_ns = now->tau_ns,
+                              .reach = now->reach,
+                              .end = now->end,
+                              .from_ns = now->origin_ns + (double)k * noise->spacing_ns,
+                              .to_ns = end_of_segment(noise, now->origin_ns, (double)k)};
 }
 
 double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel, double light) {

@@ -188,15 +188,20 @@ static void take_laws(td_noise_quiet *quiet, int first) {
         set_laws(first, p);
 }
 
-static void draw(const td_noise_quiet *quiet, const td_noise_part *const taken[LANES], td_random_lanes *bits) {
+/* Takes parts of a kind to the lanes, with their laws from depth `first` on and random numbers. Returns their number. */
+static int take(td_noise_quiet *quiet, int kind, int first, const td_noise_part *taken[LANES], td_random_lanes *bits) {
+    const int count = gather(quiet, kind, taken);
     uint32_t pixel[LANES], purpose[LANES];
     uint64_t index[LANES];
+    if (count == 0) return 0;
+    take_laws(quiet, first);
     for (int i = 0; i < LANES; i++) {
         pixel[i] = taken[i]->pixel;
         index[i] = taken[i]->k;
         purpose[i] = TD_RANDOM_NOISE_BRIDGE | taken[i]->node << TD_RANDOM_PURPOSE_BITS;
     }
     td_random_each(quiet->noise->seed, pixel, index, purpose, bits);
+    return count;
 }
 
 /* Lists the parts that came of each lane and may leave their band as parts of the kind `next`. */
@@ -229,10 +234,8 @@ static void look_at_segments(td_noise_quiet *quiet) {
     const td_noise_part *taken[LANES];
     float normal[4][LANES];
     td_random_lanes bits;
-    const int count = gather(quiet, SEGMENT, taken);
+    const int count = take(quiet, SEGMENT, 0, taken, &bits);
     if (count == 0) return;
-    take_laws(quiet, 0);
-    draw(quiet, taken, &bits);
     td_random_short_normals_many(&bits, normal);
     quarter(&quiet->lanes, (const float(*)[LANES])normal);
     go_on(quiet, taken, count, 4, QUARTER);
@@ -242,10 +245,8 @@ static void look_at_quarters(td_noise_quiet *quiet) {
     const td_noise_part *taken[LANES];
     float normal[4][LANES];
     td_random_lanes bits;
-    const int count = gather(quiet, QUARTER, taken);
+    const int count = take(quiet, QUARTER, 2, taken, &bits);
     if (count == 0) return;
-    take_laws(quiet, 2);
-    draw(quiet, taken, &bits);
     td_random_short_normals_many(&bits, normal);
     halve(&quiet->lanes, normal[0]);
     go_on(quiet, taken, count, 2, EIGHTH);
@@ -258,10 +259,8 @@ static void look_at_eighths(td_noise_quiet *quiet) {
     const lanes *p = &quiet->lanes;
     float q[2][LANES];
     td_random_lanes bits;
-    const int count = gather(quiet, EIGHTH, taken);
+    const int count = take(quiet, EIGHTH, DEPTH, taken, &bits);
     if (count == 0) return;
-    take_laws(quiet, DEPTH);
-    draw(quiet, taken, &bits);
     td_random_short_exponentials_many(&bits, q);
     find_extremes(&quiet->lanes, (const float(*)[LANES])q);
     for (int i = 0; i < count; i++) {

@@ -62,8 +62,8 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
  * end. state[0] is td_response_value(response, 1), to 1e-13 where rates go with the light. Cutting a step in two changes the
  * output by rounding with constant rates, and by TD_FRONTEND_TOLERANCE where they go with the light. An input that isn't finite
  * leaves the state unchanged and makes the response NaN. A state that isn't finite is replaced by that of rest at the input's
- * beginning. The response may refer to `frontend`, and to `kept` (nullable) where its
- * substeps fit there. It then solves none again, to the same bits. */
+ * beginning. The response may refer to `frontend`, and to `kept` (nullable) where its substeps fit there. It then solves none
+ * again, to the same bits. */
 struct td_kept_substeps;
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_response *response, struct td_kept_substeps *kept);
