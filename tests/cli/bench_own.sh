@@ -35,11 +35,18 @@ for file in throughput.json throughput.csv throughput.png; do exists made/$file;
 for key in maker share calls items_per_s pairs_per_s bytes_per_s limit_s over_limit over_inria over_without_rates target reached; do
     grep -q "\"$key\":" made/throughput.json || fail "throughput.json lacks $key"
 done
-awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
-    { of = $at["scene"] "," $at["maker"] } $at["stage"] == "processor" { next }
-    $at["stage"] == "frame" || $at["stage"] == "compare to sink" { whole[of] = $at["share"]; next } { parts[of] += $at["share"] }
-    END { for (of in whole) if (parts[of] < 0.5 || parts[of] > 1.5) { print of, parts[of]; exit 1 } }' made/throughput.csv ||
-    fail "stages don't add up to their frames"
+# A stage and its frame are timed one after the other: other work on the machine slows one of them, but not three times.
+adds_up() {
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        { of = $at["scene"] "," $at["maker"] } $at["stage"] == "processor" { next }
+        $at["stage"] == "frame" || $at["stage"] == "compare to sink" { whole[of] = $at["share"]; next } { parts[of] += $at["share"] }
+        END { for (of in whole) if (parts[of] < 0.5 || parts[of] > 1.5) { print of, parts[of]; exit 1 } }' made/throughput.csv
+}
+for turn in 1 2 3; do
+    adds_up && break
+    [ "$turn" -lt 3 ] || fail "stages don't add up to their frames"
+    expect 0 own throughput --quick -o made
+done
 if grep -q "no limit:" err; then
     grep -q "^random,.*,limit," made/throughput.csv && fail "there is no limit, and it has rows"
 else
