@@ -9,7 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LOT = 256, LOT_SPLATS = 1 << 16 }; /* points, and splats, of one lot */
+/* Points, and splats, of one lot. On a CPU a lot of 16384 splats takes the time of four times as many, and 22 MB less; a GPU
+ * needs many splats to be busy. */
+enum { LOT = 256, LOT_SPLATS_CPU = 1 << 14, LOT_SPLATS_GPU = 1 << 16 };
 
 /* Frees the engine and arrays of a lot, without which no lot can be computed. */
 static void release_lot(td_points_direct *direct) {
@@ -234,10 +236,11 @@ tides_status td_points_direct_values(tides_renderer *renderer, const tides_traje
     tides_status status = count > 0 ? create(renderer, direct, error) : TIDES_OK;
     direct->nodes.exact = exact;
     direct->near.tile = -1; /* lists may be of another interval */
+    const int most = direct->engine && direct->engine->lanes > 1 ? LOT_SPLATS_CPU : LOT_SPLATS_GPU;
     for (int from = 0, taken; from < count && status == TIDES_OK; from += taken) {
         int listed = 0;
         direct->nodes.group.count = 0;
-        for (taken = 0; taken < LOT && from + taken < count && direct->nodes.group.count < LOT_SPLATS && status == TIDES_OK;
+        for (taken = 0; taken < LOT && from + taken < count && direct->nodes.group.count < most && status == TIDES_OK;
              taken++)
             status = add_point(renderer, direct, span, &some->points[which[from + taken]], taken, &listed, error);
         if (status == TIDES_OK) status = td_renderer_check_stop(renderer, (double)from / count, error);
