@@ -107,11 +107,12 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
 void td_candidates_release(td_candidates *candidates);
 
 /* Boxes (count x 4) and travel (count) of the store's Gaussians, and which objects move relative to the camera (objects).
- * Only Gaussians in `groups` count; NULL: all. */
+ * Only Gaussians in `groups` count; NULL: all. `pool` (NULL: none) shares the work. */
 typedef struct td_boxes {
     const float *box, *travel;
     const uint8_t *object_moves;
     const td_groups *groups;
+    td_pool *pool;
 } td_boxes;
 
 /* Makes the lists. */
