@@ -143,7 +143,7 @@ static double turned_by(const td_swap_samples *at, int object) {
     return most * at->h * at->parts;
 }
 
-/* What the pool's threads share while they look at all Gaussians. */
+/* Facts that the pool's threads share while they look at all Gaussians. */
 typedef struct looking {
     const tides_renderer *renderer;
     struct td_swaps *swaps;
@@ -191,7 +191,8 @@ static void find_who_may(const tides_renderer *renderer, struct td_swaps *swaps,
         moving += swaps->group[i] > 0;
         rests += swaps->group[i] == 0;
     }
-    looking all = {renderer, swaps, at, moving + (rests > 0) < 2, td_pool_portions(renderer->pool, store->count, FEWEST), {0}, {0}};
+    looking all = {renderer, swaps, at, moving + (rests > 0) < 2, td_pool_portions(renderer->pool, store->count, FEWEST),
+                   {0},      {0}};
     td_pool_run(renderer->pool, all.portions, look_at_some, &all);
     swaps->some_may = swaps->moves > 1;
     swaps->some_fade = 0;
