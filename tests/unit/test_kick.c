@@ -312,7 +312,8 @@ static void refused(void **state) {
     const td_tile tile = {0, 0, 1, 1};
     tides_error error = {TIDES_OK, ""};
     s.bandwidth = TIDES_BANDWIDTH_CIRCUIT;
-    assert_int_equal(td_sensor_create(&s, TIDES_MODEL_HERMITE, 1e-3, 0, 1, &tile, 1, &sensor, &error), TIDES_UNSUPPORTED);
+    assert_int_equal(td_sensor_create(&s, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, 1}, &sensor, &error),
+                     TIDES_UNSUPPORTED);
     assert_non_null(strstr(error.text, "kick"));
 }
 
