@@ -38,13 +38,14 @@ static tides_status create_group(td_path_group *group, size_t count, tides_error
     group->gaussians = td_alloc(count, sizeof *group->gaussians, error);
     group->level = td_alloc(count, sizeof *group->level, error);
     group->first = td_alloc(count + TD_PAD, sizeof *group->first, error);
+    group->kept = td_alloc(count, sizeof *group->kept, error);
     group->open_at = td_alloc(count, sizeof *group->open_at, error);
     group->halve_from = td_alloc(count, sizeof *group->halve_from, error);
     group->halve_to = td_alloc(count, sizeof *group->halve_to, error);
     group->is_direct = td_alloc(count, sizeof *group->is_direct, error);
     group->tried = td_alloc(count + TD_PAD, sizeof *group->tried, error);
     group->fit.worst = td_alloc(count + TD_PAD, sizeof *group->fit.worst, error);
-    const int has_lists = group->own && group->gaussians && group->level && group->first && group->open_at;
+    const int has_lists = group->own && group->gaussians && group->level && group->first && group->kept && group->open_at;
     const int has_work = group->halve_from && group->halve_to && group->is_direct && group->tried && group->fit.worst;
     return has_lists && has_work ? TIDES_OK : TIDES_NO_MEMORY;
 }
@@ -54,6 +55,7 @@ static void release_group(td_path_group *group) {
     free(group->gaussians);
     free(group->level);
     free(group->first);
+    free(group->kept);
     free(group->open_at);
     free(group->open);
     free(group->halve_from);
@@ -137,9 +139,11 @@ static tides_status cut(const tides_renderer *renderer, const tides_trajectory *
     tides_status status = begin_whole(nodes, start, stop, error);
     nodes->pieces = 2;
     if (status == TIDES_OK) status = add_samples(nodes, camera, renderer->epoch, start, stop, error);
+    const int before = nodes->pieces;
     if (status == TIDES_OK)
         status = td_dynamic_joints(&renderer->dynamic, start + same_time, stop - same_time, &nodes->knot, &nodes->pieces,
                                    &nodes->knot_capacity, error);
+    nodes->joints = nodes->pieces - before;
     for (int i = 0; i < renderer->store.objects && status == TIDES_OK; i++) {
         tides_object object;
         status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
@@ -201,7 +205,7 @@ static tides_status begin_group(const tides_renderer *renderer, td_point_nodes *
         if (level > MOST_LEVEL) level = MOST_LEVEL;
         group->first[group->count] = (int)rows;
         group->level[group->count] = (uint8_t)level;
-        group->open_at[group->count] = -1;
+        group->kept[group->count] = group->open_at[group->count] = -1;
         group->is_direct[group->count] = 0;
         group->gaussians[group->count++] = gaussian;
         rows += td_point_is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
@@ -243,6 +247,23 @@ static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *n
     return !object || !object->expensive;
 }
 
+/* 1 where the motion of Gaussian i may have a joint within the only piece. Keyframes may then be at both ends and in the middle.
+ * If the Gaussian has the same place in all of them, it swings to either side between, and its path on the screen misses the
+ * cubic by the square of that swing, which shows at none of three nodes (check_lost, stops 1103). */
+static int has_joint(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
+    return nodes->joints > 0 && nodes->pieces == 1 && moved_by(renderer, nodes, i) && may_be_direct(renderer, nodes, i);
+}
+
+/* Gaussian i, whose curves fit at level 1, has been tried at level 2. If they fit there, too, it keeps its rows of level 1. */
+static int is_kept(td_path_group *group, int i, double worst, double target) {
+    const int first = group->kept[i];
+    group->kept[i] = -1;
+    if (first < 0 || worst > target) return 0;
+    group->first[i] = first;
+    group->level[i] = 1;
+    return 1;
+}
+
 /* Chooses the level of Gaussian i from the error in the middle of the previous level's cubics (number k of the fit). The
  * level is enough if a sixteenth of the worst error is small enough; at the last level, the path may have a kink. If the
  * error can't be computed, the Gaussian crosses the near plane; then it has faded where its curves are invalid, if they are
@@ -254,6 +275,11 @@ static tides_status choose_level(const tides_renderer *renderer, td_point_nodes 
     nodes->moving += worst > 0 && group->level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
     if (worst > falls * target && group->level[i] < MOST_LEVEL) return refine(nodes, i, error);
     const int is_bent = worst > falls * target;
+    if (group->level[i] == 1 && !is_bent && has_joint(renderer, nodes, i)) {
+        group->kept[i] = group->first[i];
+        return refine(nodes, i, error);
+    }
+    if (is_kept(group, i, worst, target)) return TIDES_OK;
     if (group->level[i] == 1 && worst <= target) group->level[i] = 0; /* its rows are every other row of level 1 */
     const int is_direct = is_bent && may_be_direct(renderer, nodes, i);
     nodes->bent += is_bent;

@@ -54,16 +54,14 @@ static void put(struct td_swaps *swaps, const td_swap_samples *at, int splat, in
     shape[TD_G_OPACITY] = opacity;
 }
 
-static tides_status move_batch(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at,
-                               const moving *object, batch *b, tides_error *error) {
+static tides_status move_batch(struct td_swaps *swaps, const td_swap_samples *at, const moving *object, batch *b,
+                               tides_error *error) {
     const tides_object *of = &object->of;
-    const double *swept = renderer->sweep.interval;
     const td_motion_sink sink = {b->geometry, b->rates, b->sh, b->sh_rates, SH_STRIDE};
     tides_status status = TIDES_OK;
     for (int k = 0; k <= at->parts && status == TIDES_OK; k++) {
         double tau = 0, tau_dot = 0;
-        const double time = k < at->parts ? swept[0] + k * at->h : swept[1];
-        status = td_motion_time(of->motion, of->duration_s, time, &tau, &tau_dot, error);
+        status = td_motion_time(of->motion, of->duration_s, at->time[k], &tau, &tau_dot, error);
         const td_motion_asked asked = {tau, tau_dot, k < at->parts ? 1 : -1, 0, b->index, b->count};
         if (status == TIDES_OK) status = td_motion_rows(of->motion, &of->gaussians, &object->numbers, &asked, &sink, error);
         for (int i = 0; i < b->count && status == TIDES_OK; i++)
@@ -89,9 +87,9 @@ static tides_status move_object(const tides_renderer *renderer, struct td_swaps 
                                 sizeof *swaps->shape, error);
         b->splat[b->count] = g;
         b->index[b->count++] = store->number[g];
-        if (status == TIDES_OK && b->count == ROWS) status = move_batch(renderer, swaps, at, of, b, error);
+        if (status == TIDES_OK && b->count == ROWS) status = move_batch(swaps, at, of, b, error);
     }
-    if (status == TIDES_OK && b->count > 0) status = move_batch(renderer, swaps, at, of, b, error);
+    if (status == TIDES_OK && b->count > 0) status = move_batch(swaps, at, of, b, error);
     return status;
 }
 

@@ -52,7 +52,7 @@ static void mean_at(const td_swap_splat *of, int k, const weights *w, double mea
 static int find_form(const td_image *image, const td_swap_samples *at, const td_swap_splat *of, int k, double s, form *f) {
     const double *g = of->geometry, *m = g + TD_G_FACTOR;
     double r[9], t[3], p[3], mean[3], row[2][3];
-    const weights w = weights_at(at->h, s);
+    const weights w = weights_at(td_swaps_length(at, k), s);
     view_at(at, of->object, k, &w, r, t);
     mean_at(of, k, &w, mean);
     for (int i = 0; i < 3; i++) p[i] = td_dot3(r + 3 * i, mean) + t[i];
@@ -130,20 +130,28 @@ static void add_swap(td_swap_tile *tile, const td_swap *swap) {
     if (tile->status == TIDES_OK) to->swap[to->count++] = *swap;
 }
 
+/* Place s of part k in the interval, and a part's length, in 1 / TD_SWAP_PARTS of the interval. */
+static long place_in(const td_swap_samples *at, int k, double s) {
+    return lround(TD_SWAP_PARTS * ((at->time[k] - at->time[0] + s * td_swaps_length(at, k)) / td_swaps_span(at)));
+}
+static double per_part(const td_swap_samples *at, int k) {
+    return TD_SWAP_PARTS * (td_swaps_length(at, k) / td_swaps_span(at));
+}
+
 /* Notes a swap at place s in part k, `wide` parts to either side, for each block that sees both splats. Through a lens the
  * splats' places aren't computed. */
 static void note_time(const pair *of, int k, double s, double wide) {
     form f, g;
     const td_swap_samples *at = of->tile->at;
-    const double per_part = (double)TD_SWAP_PARTS / at->parts;
-    const long part = lround((k + s) * per_part);
+    const double lasts = wide * per_part(at, k);
+    const long part = place_in(at, k, s);
     const int lens = td_lens_model(of->tile->image);
-    if (part < 1 || part >= TD_SWAP_PARTS || !(wide < of->slow * at->parts)) return;
+    if (part < 1 || part >= TD_SWAP_PARTS || !(lasts < of->slow * TD_SWAP_PARTS)) return;
     if (!lens && (!find_form(of->tile->image, at, of->a, k, s, &f) || !find_form(of->tile->image, at, of->b, k, s, &g))) return;
     for (int i = 0; i < TD_TILE_BLOCKS && of->tile->status == TIDES_OK; i++) {
         if (!(of->blocks >> i & 1)) continue;
         const double light = light_in(of, i, lens ? NULL : &f, lens ? NULL : &g);
-        const td_swap swap = {of->tile->tile * TD_TILE_BLOCKS + i, (int32_t)part, (float)light, (float)(wide * per_part)};
+        const td_swap swap = {of->tile->tile * TD_TILE_BLOCKS + i, (int32_t)part, (float)light, (float)lasts};
         if (light >= TD_SWAP_LEAST_LIGHT) add_swap(of->tile, &swap);
     }
 }
@@ -202,13 +210,13 @@ static int turns_of(const double b[4], double turn[2]) {
 /* Notes the times within part k at which two splats have equal depths, or turn back within reach of each other. */
 static void note_part(const pair *of, double near, int k) {
     const td_swap_splat *a = of->a, *b = of->b;
-    const double third = of->tile->at->h / 3, d0 = a->z[k] - b->z[k], d1 = a->z[k + 1] - b->z[k + 1];
+    const double third = td_swaps_length(of->tile->at, k) / 3, d0 = a->z[k] - b->z[k], d1 = a->z[k + 1] - b->z[k + 1];
     const double c[4] = {d0, d0 + third * (a->z_dot[k] - b->z_dot[k]), d1 - third * (a->z_dot[k + 1] - b->z_dot[k + 1]), d1};
     const double within = near * fabs(a->z[k]);
     double end[4] = {0};
     if (td_least4(c) > within || td_most4(c) < -within) return;
     /* Depths that pass so slowly are seen by samples (note_time). No bend is more than 4 times the steepest slope. */
-    const double slow = of->slow * of->tile->at->parts;
+    const double slow = of->slow * TD_SWAP_PARTS / per_part(of->tile->at, k);
     const double steepest = 3 * td_greater(td_greater(fabs(c[1] - c[0]), fabs(c[2] - c[1])), fabs(c[3] - c[2]));
     if (within >= slow * steepest && within >= 2 * slow * slow * steepest) return;
     const int turns = turns_of(c, end + 1);
@@ -246,16 +254,16 @@ static double faded_to(const td_image *image, double share) {
 /* Notes when alpha passes the taper in a block, for a splat that fades at the near plane in part k. z: its depths, a cubic. */
 static void note_fade(td_swap_tile *tile, const td_swap_splat *a, const form *f, int block, const double z[4], int k) {
     const td_image *image = tile->image;
-    const double per_part = (double)TD_SWAP_PARTS / tile->at->parts;
     const double x = tile->corner[0] + (block % 4 + 0.5) * TD_BLOCK, y = tile->corner[1] + (block / 4 + 0.5) * TD_BLOCK;
     const double least = image->cut * td_exp(form_at(f, x, y)), most = image->cut_full / image->cut * least;
     if (!(least < 1)) return;
     const double begin = reach(z, faded_to(image, least), 0, 1, FADE_HALVINGS);
     const double end = reach(z, faded_to(image, td_lesser(most, 1)), 0, 1, FADE_HALVINGS);
-    const double wide = unevenly * 0.5 * fabs(end - begin), light = taken * image->cut_full * a->luminance;
-    const long part = lround((k + 0.5 * (begin + end)) * per_part);
-    const td_swap swap = {tile->tile * TD_TILE_BLOCKS + block, (int32_t)part, (float)light, (float)(wide * per_part)};
-    if (part < 1 || part >= TD_SWAP_PARTS || !(wide > 0 && wide < TD_SWAP_SLOW * tile->at->parts)) return;
+    const double wide = unevenly * 0.5 * fabs(end - begin) * per_part(tile->at, k);
+    const double light = taken * image->cut_full * a->luminance;
+    const long part = place_in(tile->at, k, 0.5 * (begin + end));
+    const td_swap swap = {tile->tile * TD_TILE_BLOCKS + block, (int32_t)part, (float)light, (float)wide};
+    if (part < 1 || part >= TD_SWAP_PARTS || !(wide > 0 && wide < TD_SWAP_SLOW * TD_SWAP_PARTS)) return;
     if (light >= TD_SWAP_LEAST_LIGHT && tile->status == TIDES_OK) add_swap(tile, &swap);
 }
 
@@ -264,7 +272,7 @@ void td_swaps_look_at_fade(td_swap_tile *tile, const td_swap_splat *a) {
     const unsigned blocks = blocks_of(a, a, tile->corner);
     for (int k = 0; k < tile->at->parts; k++) {
         form f;
-        const double third = tile->at->h / 3, from = a->z[k], to = a->z[k + 1];
+        const double third = td_swaps_length(tile->at, k) / 3, from = a->z[k], to = a->z[k + 1];
         const double z[4] = {from, from + third * a->z_dot[k], to - third * a->z_dot[k + 1], to};
         if (td_greater(from, to) <= image->near || td_lesser(from, to) >= image->near_full) continue;
         const double s = reach(z, faded_to(image, 0.5), 0, 1, FADE_HALVINGS);

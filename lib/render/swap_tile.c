@@ -82,7 +82,8 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
         z[k] = td_swaps_depth(view, mean);
         z_dot[k] = depth_rate_at(view, mean);
         if (to->move) z_dot[k] += td_dot3(view->r + 6, to->move[k].rate);
-        const double bow = at->h / 3 * fabs(z_dot[k]);
+        const double before = k > 0 ? td_swaps_length(at, k - 1) : 0, after = k < at->parts ? td_swaps_length(at, k) : 0;
+        const double bow = td_greater(before, after) / 3 * fabs(z_dot[k]);
         to->least = td_lesser(to->least, z[k] - bow);
         to->most = td_greater(to->most, z[k] + bow);
     }

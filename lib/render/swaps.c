@@ -9,15 +9,20 @@
 #include "scene/td_scene.h"
 #include "td_extremes.h"
 #include "td_math.h"
+#include "td_sort.h"
 #include "td_swaps.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Parts of the interval at whose ends depths are computed: 4 to 64. There are more if a view turns by more than `steady`
- * [rad] in a part; with 0.2 a cubic is within 4e-6 of a turning path. */
-enum { LEAST_PARTS = 4, MOST_PARTS = 64 };
+/* Parts of the interval at whose ends depths are computed: 4 to TD_SWAP_PARTS_MOST. There are more if a view turns by more than
+ * `steady` [rad] in a part; with 0.2 a cubic is within 4e-6 of a turning path. Parts also end at joints of motions: no cubic
+ * follows keyframes across one, and a swap would be sought 0.1 ms beside its time (check_lost, stops 2003). */
+enum { LEAST_PARTS = 4 };
 static const double steady = 0.2;
+
+/* Samples nearer than this to another are it [s]. */
+static const double same_time = 1e-9;
 
 /* -- making and freeing ------------------------------------------------------------------------------------------------ */
 
@@ -67,6 +72,7 @@ void td_swaps_destroy(struct td_swaps *swaps) {
     free(swaps->mover);
     free(swaps->move);
     free(swaps->shape);
+    free(swaps->joint);
     free(swaps);
 }
 
@@ -83,13 +89,24 @@ static tides_status find_groups(const tides_renderer *renderer, struct td_swaps 
     return TIDES_OK;
 }
 
-/* Computes views at the ends of `parts` parts of the interval: renderer->views. */
-static tides_status find_views(tides_renderer *renderer, const tides_trajectory *camera, int parts, tides_error *error) {
+/* Cuts the interval into so many even parts, and at the joints of motions if there is room for all of these. */
+static void lay_parts(const tides_renderer *renderer, const struct td_swaps *swaps, int joints, int even, td_swap_samples *at) {
     const double start = renderer->sweep.interval[0], stop = renderer->sweep.interval[1];
-    double time[MOST_PARTS + 1];
-    for (int k = 0; k < parts; k++) time[k] = start + (stop - start) * k / parts;
-    time[parts] = stop;
-    return td_renderer_views(renderer, camera, time, parts + 1, error);
+    int count = 0, kept = 1;
+    for (int k = 0; k < even; k++) at->time[count++] = start + (stop - start) * k / even;
+    for (int k = 0; k < joints && even + joints <= TD_SWAP_PARTS_MOST; k++) at->time[count++] = swaps->joint[k];
+    qsort(at->time, (size_t)count, sizeof *at->time, td_ascending);
+    for (int k = 1; k < count; k++)
+        if (at->time[k] > at->time[kept - 1] + same_time) at->time[kept++] = at->time[k];
+    at->time[kept] = stop;
+    at->parts = kept;
+}
+
+/* Computes views at the ends of parts: renderer->scratch.views. */
+static tides_status find_views(tides_renderer *renderer, const tides_trajectory *camera, const struct td_swaps *swaps,
+                               int joints, int even, td_swap_samples *at, tides_error *error) {
+    lay_parts(renderer, swaps, joints, even, at);
+    return td_renderer_views(renderer, camera, at->time, at->parts + 1, error);
 }
 
 /* Largest turn within a part, of a view's row that gives depths. */
@@ -106,19 +123,23 @@ static double most_turned(const tides_renderer *renderer, int parts) {
 /* Computes views at the ends of parts, with so many parts that no view turns much in one. */
 static tides_status take_views(tides_renderer *renderer, const tides_trajectory *camera, struct td_swaps *swaps,
                                td_swap_samples *at, tides_error *error) {
-    int parts = LEAST_PARTS;
-    tides_status status = find_views(renderer, camera, parts, error);
-    while (status == TIDES_OK && parts < MOST_PARTS && most_turned(renderer, parts) > steady) {
-        parts *= 2;
-        status = find_views(renderer, camera, parts, error);
+    const double *swept = renderer->sweep.interval;
+    int joints = 0, even = LEAST_PARTS;
+    tides_status status = td_dynamic_joints(&renderer->dynamic, swept[0] + same_time, swept[1] - same_time, &swaps->joint,
+                                            &joints, &swaps->joint_capacity, error);
+    if (even + joints > TD_SWAP_PARTS_MOST) even = TD_SWAP_PARTS_MOST;
+    if (status == TIDES_OK) status = find_views(renderer, camera, swaps, joints, even, at, error);
+    while (status == TIDES_OK && even < TD_SWAP_PARTS_MOST && most_turned(renderer, at->parts) > steady) {
+        even *= 2;
+        status = find_views(renderer, camera, swaps, joints, even, at, error);
     }
-    const size_t count = ((size_t)parts + 1) * (size_t)renderer->store.objects;
+    const size_t count = ((size_t)at->parts + 1) * (size_t)renderer->store.objects;
     if (status == TIDES_OK)
         status = td_reserve((void **)&swaps->view, &swaps->view_capacity, count, sizeof *swaps->view, error);
     if (status != TIDES_OK) return status;
     memcpy(swaps->view, renderer->scratch.views, count * sizeof *swaps->view);
-    *at = (td_swap_samples){parts, renderer->store.objects, (renderer->sweep.interval[1] - renderer->sweep.interval[0]) / parts,
-                            swaps->view};
+    at->objects = renderer->store.objects;
+    at->view = swaps->view;
     return status;
 }
 
@@ -127,7 +148,8 @@ static double turning_of(const td_swap_samples *at, int object) {
     const double *from = at->view[object].r + 6, *to = at->view[(size_t)at->parts * (size_t)at->objects + (size_t)object].r + 6;
     double most = 0;
     for (int k = 1; k < at->parts; k++) {
-        const double *own = at->view[(size_t)k * (size_t)at->objects + (size_t)object].r + 6, u = (double)k / at->parts;
+        const double *own = at->view[(size_t)k * (size_t)at->objects + (size_t)object].r + 6;
+        const double u = (at->time[k] - at->time[0]) / td_swaps_span(at);
         const double straight[3] = {from[0] + u * (to[0] - from[0]), from[1] + u * (to[1] - from[1]),
                                     from[2] + u * (to[2] - from[2])};
         most = td_greater(most, td_swaps_apart(own, straight));
@@ -140,7 +162,7 @@ static double turned_by(const td_swap_samples *at, int object) {
     double most = 0;
     for (int k = 0; k <= at->parts; k++)
         most = td_greater(most, td_length3(at->view[(size_t)k * (size_t)at->objects + (size_t)object].r_dot + 6));
-    return most * at->h * at->parts;
+    return most * td_swaps_span(at);
 }
 
 /* Facts that the pool's threads share while they look at all Gaussians. */

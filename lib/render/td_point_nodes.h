@@ -35,6 +35,7 @@ typedef struct td_path_group {
     int *halve_from, *halve_to; /* (halves) first rows, in a level and in the next one */
     int halves;
     int *first; /* (count + TD_PAD) first rows */
+    int *kept;  /* (count) first rows of level 1, while a Gaussian whose curves fit there is tried once more; -1: others */
     int rows;
     int *row;       /* (2 x curves) the rows at the ends of each curve */
     double *length; /* (curves) [s] */
@@ -60,6 +61,7 @@ typedef struct td_point_nodes {
     td_view *kept;   /* (objects) views of a kept instant, which open paths may have forgotten; else NULL */
     double *knot;    /* (pieces + 1) ends of the pieces of the interval [s after the epoch] */
     int pieces;
+    int joints;           /* number of joints of motions within the interval */
     double *piece_length; /* (pieces) [s] */
     int *path;            /* (store.count) first curve * TD_PATH_LEVELS + level; or TD_PATH_UNSEEN, ... */
     int *listed;          /* (listed_count) the Gaussians in a list, rising */

@@ -39,12 +39,17 @@ typedef struct td_swap_splat {
     const double *z, *z_dot;
 } td_swap_splat;
 
-/* Samples for the search: `parts` parts of the interval, each h seconds long, and views at their ends (parts + 1 x objects). */
+/* Samples for the search: parts of the interval, and views at their ends (parts + 1 x objects). */
+enum { TD_SWAP_PARTS_MOST = 64 };
 typedef struct td_swap_samples {
     int parts, objects;
-    double h;
+    double time[TD_SWAP_PARTS_MOST + 1]; /* (parts + 1) [s after the epoch] */
     const td_view *view;
 } td_swap_samples;
+
+/* Length of part k [s], and of all parts. */
+static inline double td_swaps_length(const td_swap_samples *at, int k) { return at->time[k + 1] - at->time[k]; }
+static inline double td_swaps_span(const td_swap_samples *at) { return at->time[at->parts] - at->time[0]; }
 
 /* A portion of the tiles, which one thread searches: its swaps, sorted by block, then time, and scratch of one tile. */
 typedef struct td_swap_portion {
@@ -79,6 +84,8 @@ struct td_swaps {
     td_swap_move *move; /* (moves x samples) */
     double *shape;      /* (moves x TD_GEOMETRY_STRIDE) in the middle; the largest opacity */
     size_t move_capacity, shape_capacity;
+    double *joint; /* where curves of motions are joined within the interval [s after the epoch] */
+    size_t joint_capacity;
 };
 
 /* A tile whose pairs are checked, and the status so far. */

@@ -83,9 +83,10 @@ static inline double td_probe_most(double deviation, uint8_t fall) {
     return fall > 0 && fall < sixteenth ? deviation * (sixteenth / fall) : deviation;
 }
 
-/* Share of td_probe_most that a look in a smooth part may miss. A sixteenth remains where the signal is as smooth as it seems;
- * a look that finds less found it by chance. (The bench's fan lost an event 1.2e-4 of a threshold beyond its level, after a
- * look that found a sixtieth. This share costs one look in ten thousand.) */
-#define TD_PROBE_SMOOTH_UNSEEN (1.0 / 16)
+/* Share of td_probe_most that a look in a smooth part may miss. Half of that remains where the signal is as smooth as it seems;
+ * a look that finds far less found it by chance. (The bench's fan lost an event 1.2e-4 of a threshold beyond its level, after a
+ * look that found a sixtieth; check_lost, near 1110, one after a look that found an eightieth. This share costs one look in ten
+ * thousand.) */
+#define TD_PROBE_SMOOTH_UNSEEN (1.0 / 8)
 
 #endif

@@ -42,12 +42,14 @@ double td_left_at(const td_visit *v, int n, double s, double S) {
 /* Excess of an approach's doubt over the distance to the level. */
 static double excess_of(const td_visit *v, const td_approach *at) { return at->doubt + v->model.floor - at->left; }
 
-/* A crossing is flat where the signal's slope there is less than this share of its mean slope on the way to it. */
+/* A crossing is flat where the signal's slope there is less than this share of its mean slope on the way to it. Its level may
+ * have been reached before all the same, and the first looks see to that; later ones find the crossing itself. */
 static const double flat = 0.5;
+enum { LOOKS_BEFORE_FLAT = 3 };
 
 /* The polarity of the change that follows the first n changes, if its level doesn't count as a doubt at s of piece k, where the
  * signal has `left` to it; else 0. It doesn't count while the crossing is to be looked up by itself, nor within an eighth of a
- * piece before it, nor where the crossing is flat: a background that comes back stays at its level. Further before a crossing
+ * piece before it, nor after some looks where the crossing is flat: a background that comes back stays at its level. Further before a crossing
  * that is known, the signal may have passed the level and come back. */
 static int next_polarity(const td_visit *v, int k, int n, double s) {
     const td_change *next = &v->changes.change[n];
@@ -56,7 +58,7 @@ static int next_polarity(const td_visit *v, int k, int n, double s) {
     const double near = 0.125 * (pieces->from[k + 1] - pieces->from[k]);
     const double left = fabs(td_model_value(&pieces->model[k], td_pieces_place(pieces, k, next->s)) -
                              td_model_value(&pieces->model[k], td_pieces_place(pieces, k, s)));
-    const int is_flat = v->worth[n].slope * (next->s - s) < flat * left;
+    const int is_flat = v->looked->looks >= LOOKS_BEFORE_FLAT && v->worth[n].slope * (next->s - s) < flat * left;
     return pieces->count == 1 || next->s - s <= near || is_flat || !td_is_known(v, n) ? next->polarity : 0;
 }
 

@@ -44,7 +44,8 @@ static int may_act(const td_visit *v) {
     if (v->looked->looks > 0) return 1;
     const double swapped =
         td_solve_swapped(v->s, &v->s->refine.step[v->looked->step], v->pixel->local, td_lesser(at->S0, at->S1));
-    const double widen = v->looked->trust.error + td_solve_sample_error(&v->s->solve, td_lesser(at->S0, at->S1)) + swapped;
+    const double widen =
+        td_solve_first_doubt(&v->looked->trust) + td_solve_sample_error(&v->s->solve, td_lesser(at->S0, at->S1)) + swapped;
     uint8_t active = 0;
     td_sensor_find(&v->s->sensor, &v->now->span, &one, v->at, &own, &widen, &active);
     return active;
