@@ -98,8 +98,8 @@ static void test_few_are_lost(void **state) {
  * of splats that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a
  * step, short of which a crossing was sought in vain (taper 404), and turns below a level (taper 1111). Swaps within a body,
  * and of keyframed splats, of 5 to 25 % of a step (stack 102, stops 1108). A taper of opacity that splats pass within 80 us
- * while they fade at the near plane (near 402). Reported p99 that were too small: a slope that was the model's alone (leap 402),
- * and a sample of 512 events, all of them better than that (stack 1104). */
+ * while they fade at the near plane (near 402). Reported p99 that were too small: a slope that was the model's alone (leap
+ * 402), and a sample of 512 events, all of them better than that (stack 1104). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;

@@ -60,8 +60,9 @@ tides_status td_solve_join_samples(tides_simulator *s, const td_solve_portion *p
 }
 
 /* A measured event stands for at most a TD_TIMING_SAMPLE-th of all events so far, whenever the hard part comes. So the first
- * TD_TIMING_SAMPLE events are all measured, and of equal steps the k-th has a k-th of the first one's sample. With 256 events in
- * each of the first steps and 32 later, a p99 was too small where these had few events, or where the hard part came later. */
+ * TD_TIMING_SAMPLE events are all measured, and of equal steps the k-th has a k-th of the first one's sample. With 256 events
+ * in each of the first steps and 32 later, a p99 was too small where these had few events, or where the hard part came
+ * later. */
 void td_solve_cut(td_solve_portion *portion, double before) {
     const double fired = (double)portion->fired, wanted = ceil(fired * TD_TIMING_SAMPLE / (before + fired));
     cut(portion);
