@@ -99,7 +99,8 @@ static void test_few_are_lost(void **state) {
  * step, short of which a crossing was sought in vain (taper 404), and turns below a level (taper 1111). Swaps within a body,
  * and of keyframed splats, of 5 to 25 % of a step (stack 102, stops 1108). A taper of opacity that splats pass within 80 us
  * while they fade at the near plane (near 402). A swap that was sought beside its time, because a joint of keyframes was between
- * samples (stops 2003). A splat that swings between keyframes of one place (stops 1103). */
+ * samples (stops 2003). A splat that swings between keyframes of one place (stops 1103). Reported p99 that were too small: a
+ * slope that was the model's alone (leap 402), and a sample of 512 events, all of them better than that (stack 1104). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;
@@ -113,7 +114,8 @@ static void test_mended(void **state) {
                   {"spin", 211, 0.3, 30, 0},    {"lights", 403, 1, 1000, 0},  {"fade", 301, 0.3, 200, 1},
                   {"leap", 704, 1, 20000, 0},   {"taper", 404, 1, 90000, 0},  {"taper", 1111, 1, 90000, 0},
                   {"stack", 102, 0.25, 300, 0}, {"stops", 1108, 1, 7000, 0},  {"near", 402, 1, 70000, 0},
-                  {"leap", 2012, 1, 17000, 0},  {"stops", 2003, 1, 3000, 0},   {"stops", 1103, 1, 4500, 0}};
+                  {"leap", 2012, 1, 17000, 0},  {"stops", 2003, 1, 3000, 0},  {"stops", 1103, 1, 4500, 0},
+                  {"leap", 402, 0.3, 80, 0},    {"stack", 1104, 1, 17000, 0}};
     (void)state;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         trial_options options = trial_defaults();
@@ -125,7 +127,7 @@ static void test_mended(void **state) {
         assert_int_equal(trial_run_all(&options, kind, scenes[i].seed, 1, 1, &result), 1);
         assert_true(result.v.events > scenes[i].events);
         assert_int_equal(result.v.lost + result.v.false_ones, 0);
-        if (scenes[i].share < SHARE) assert_int_equal(verdict_dishonest(&result.v), 0);
+        assert_int_equal(verdict_dishonest(&result.v), 0);
     }
 }
 
