@@ -137,8 +137,8 @@ typedef struct tides_stats {
     uint64_t unit;                          /* TIDES_UNIT_* of the run: TILE or BLOCK */
     double tolerance;                       /* the run's [thresholds] */
     uint64_t events_filtered[TIDES_STAGES]; /* dropped behind the readout, by TIDES_STAGE_* */
-    /* Processor time of the calling thread while no other worked beside it on the host [s]: time that more threads don't
-     * shorten. Waiting for a device takes none, unless its driver spins. */
+    /* Processor time of the calling thread while no other worked beside it on the host, and no launch on a device [s]: time
+     * that more threads don't shorten. Waiting for a device takes none, unless its driver spins. */
     double time_alone_s;
 } tides_stats;
 

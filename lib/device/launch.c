@@ -153,7 +153,7 @@ done:
 
 double td_event_seconds(cl_event *event) {
     cl_ulong begun = 0, ended = 0;
-    if (!*event) return 0;
+    if (!*event || td_is_forked()) return 0;
     clGetEventProfilingInfo(*event, CL_PROFILING_COMMAND_START, sizeof begun, &begun, NULL);
     clGetEventProfilingInfo(*event, CL_PROFILING_COMMAND_END, sizeof ended, &ended, NULL);
     clReleaseEvent(*event);

@@ -71,7 +71,7 @@ size_t td_even_items(int lanes, int count, size_t *local);
 /* Starts the enqueued commands, for drivers that would wait for more. */
 tides_status td_flush(tides_device *device, tides_error *error);
 
-/* Run time of a finished event [s]; releases it and sets it to NULL. */
+/* Run time of a finished event [s]; releases it and sets it to NULL. 0 in a forked process, whose driver can't be asked. */
 double td_event_seconds(cl_event *event);
 
 /* Waits until the queue is empty. Call it, also after a failure, before host memory is freed that commands read or write.

@@ -37,6 +37,15 @@ static int is_wanted(const td_point_nodes *nodes, int i, int level, int node) {
     return nodes->group.open_at[i] < 0 || (node % 2 && nodes->group.open[nodes->group.open_at[i] + node / 4]);
 }
 
+/* Opens a job in slot `slot`, with room for all that a job holds. */
+static tides_status open_job(td_point_nodes *nodes, int slot, tides_error *error) {
+    const tides_status status = reserve_entries(nodes, JOB_GAUSSIANS, error);
+    if (status == TIDES_OK) nodes->jobs.list[nodes->jobs.count++] = (td_node_job){slot, nodes->jobs.entries, 0, 0};
+    return status;
+}
+
+typedef char td_job_is_whole_groups[JOB_GAUSSIANS % TD_PAD == 0 ? 1 : -1];
+
 /* A node of a level, for the Gaussians [from, end) of the group. */
 typedef struct node_of {
     int level, node, from, end;
@@ -46,23 +55,20 @@ typedef struct node_of {
  * some move by themselves. */
 static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nodes, node_of at, int slot, const int *row,
                              tides_error *error) {
+    const int *object_of = renderer->store.objects > 1 ? renderer->store.object : NULL; /* each look is a cache miss */
     int open = 0, object = -1, taken = 0;
-    tides_status status = reserve_entries(nodes, 0, error);
+    tides_status status = TIDES_OK;
     for (int i = at.from; i < at.end && status == TIDES_OK; i++) {
-        const int gaussian = nodes->group.gaussians[i];
         if (!is_wanted(nodes, i, at.level, at.node)) continue;
-        status = reserve_entries(nodes, 2 * TD_PAD, error);
-        if (status != TIDES_OK) return status;
-        if (open &&
-            (renderer->store.object[gaussian] != object || nodes->jobs.list[nodes->jobs.count - 1].count == JOB_GAUSSIANS)) {
+        const int gaussian = nodes->group.gaussians[i], own = object_of ? object_of[gaussian] : 0;
+        if (open && (own != object || nodes->jobs.list[nodes->jobs.count - 1].count == JOB_GAUSSIANS)) {
             end_job(nodes);
             open = 0;
-            status = reserve_entries(nodes, 2 * TD_PAD, error);
-            if (status != TIDES_OK) return status;
         }
-        if (!open) nodes->jobs.list[nodes->jobs.count++] = (td_node_job){slot, nodes->jobs.entries, 0, 0};
+        if (!open) status = open_job(nodes, slot, error);
+        if (status != TIDES_OK) return status;
         open = 1;
-        object = renderer->store.object[gaussian];
+        object = own;
         nodes->jobs.entry[nodes->jobs.entries] = row ? row[taken++] : gaussian;
         nodes->jobs.at[nodes->jobs.entries++] = nodes->group.first[i] + at.node;
         nodes->jobs.list[nodes->jobs.count - 1].count++;

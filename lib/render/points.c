@@ -404,6 +404,10 @@ int td_renderer_points_go_on(const tides_renderer *renderer) {
     return p && !renderer->colour_filter && p->engine->goes_on && p->parts.count <= 1;
 }
 
+double td_renderer_points_took(const tides_renderer *renderer) {
+    return td_renderer_points_go_on(renderer) ? renderer->points->engine->took : 0;
+}
+
 /* Keeps the objects' views at the instant: open paths may forget it before its rows are asked for. */
 static tides_status keep_views(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
     const size_t objects = (size_t)renderer->store.objects;

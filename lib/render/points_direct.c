@@ -8,9 +8,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Points, and splats, of one lot. On a CPU a lot of 16384 splats takes the time of four times as many, and 22 MB less; a GPU
+/* Points, and splats, of one lot. On a CPU a lot of 32768 splats takes the time of twice as many, and 15 MB less; a GPU
  * needs many splats to be busy. */
-enum { LOT = 256, LOT_SPLATS_CPU = 1 << 14, LOT_SPLATS_GPU = 1 << 16 };
+enum { LOT = 256, LOT_SPLATS_CPU = 1 << 15, LOT_SPLATS_GPU = 1 << 16 };
 
 /* Frees the engine and arrays of a lot, without which no lot can be computed. */
 static void release_lot(td_points_direct *direct) {
@@ -147,7 +147,7 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
     return status;
 }
 
-/* Gives a lot, whose rows are ready, to the engine as an interval. */
+/* Gives a lot, whose rows are ready, to the engine as an interval. Its values are under way then: `finish` isn't called. */
 static tides_status look(const tides_renderer *renderer, td_points_direct *direct, int points, int listed, tides_error *error) {
     const td_point_nodes *nodes = &direct->nodes;
     const td_path_group *group = &nodes->group;
@@ -177,22 +177,33 @@ static tides_status look(const tides_renderer *renderer, td_points_direct *direc
     tides_status status = engine->type->begin(engine, &interval, error);
     if (status == TIDES_OK) status = engine->type->add(engine, &all, error);
     if (status == TIDES_OK) status = engine->type->lists(engine, direct->numbers, points, error);
-    if (status == TIDES_OK) status = engine->type->values(engine, &batch, direct->values, error);
-    return status == TIDES_OK ? engine->type->finish(engine, error) : status;
+    return status == TIDES_OK ? engine->type->values(engine, &batch, direct->values, error) : status;
 }
 
-/* Projects all that a lot's points see, and computes their values. */
+/* Waits for the lot that is under way, if there is one, and takes its values. */
+static tides_status take_away(td_points_direct *direct, tides_error *error) {
+    const td_points_some lot = direct->away;
+    tides_status status = TIDES_OK;
+    direct->away.count = 0;
+    if (lot.count > 0) status = direct->engine->type->finish(direct->engine, error);
+    for (int k = 0; k < lot.count && status == TIDES_OK; k++)
+        status = td_point_take(&lot.points[lot.which[k]], direct->values + 2 * k, &lot.values[lot.which[k]], error);
+    return status;
+}
+
+/* Projects all that a lot's points see, and begins to compute their values. Until then the lot before is under way. */
 static tides_status work_out(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct, int points,
                              int listed, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
     nodes->group.rows = nodes->group.count;
     tides_status status = reserve(renderer, direct, points, error); /* `numbers` has the tiles' numbers, too */
     if (status == TIDES_OK) status = td_point_rows_direct(renderer, camera, nodes, direct->time, direct->end, points, error);
+    if (status == TIDES_OK) status = take_away(direct, error);
     return status == TIDES_OK ? look(renderer, direct, points, listed, error) : status;
 }
 
-/* Computes the first of `some`, as many as a lot holds: `taken`. seen[k] and count[k] tell what point k may see. */
-static tides_status take_lot(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,
+/* Begins to compute the first of `some`, as many as a lot holds: `taken`. seen[k] and count[k] tell what point k may see. */
+static tides_status send_lot(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,
                              const td_points_some *some, const int *const *seen, const int *count, int *taken,
                              tides_error *error) {
     const int most = direct->engine->lanes > 1 ? LOT_SPLATS_CPU : LOT_SPLATS_GPU, *which = some->which;
@@ -203,9 +214,16 @@ static tides_status take_lot(tides_renderer *renderer, const tides_trajectory *c
         status = add_point(renderer, direct, &some->points[which[k]], seen[k], count[k], k, &listed, error);
     *taken = k;
     if (status == TIDES_OK) status = work_out(renderer, camera, direct, *taken, listed, error);
-    for (k = 0; k < *taken && status == TIDES_OK; k++)
-        status = td_point_take(&some->points[which[k]], direct->values + 2 * k, &some->values[which[k]], error);
+    if (status == TIDES_OK) direct->away = (td_points_some){some->points, some->values, which, *taken};
     return status;
+}
+
+/* Waits for the lot under way after a failure; its values aren't wanted. */
+static void drop_away(td_points_direct *direct) {
+    if (direct->away.count == 0) return;
+    const tides_status ignored = direct->engine->type->finish(direct->engine, NULL);
+    (void)ignored;
+    direct->away.count = 0;
 }
 
 tides_status td_points_direct_values(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,
@@ -222,8 +240,10 @@ tides_status td_points_direct_values(tides_renderer *renderer, const tides_traje
             const td_points_some left = {some->points, some->values, which + at, next - at};
             status = td_renderer_check_stop(renderer, (double)(from + at) / some->count, error);
             if (status == TIDES_OK)
-                status = take_lot(renderer, camera, direct, &left, near->seen + at, near->count + at, &taken, error);
+                status = send_lot(renderer, camera, direct, &left, near->seen + at, near->count + at, &taken, error);
         }
     }
+    if (status == TIDES_OK) status = take_away(direct, error);
+    drop_away(direct);
     return status;
 }

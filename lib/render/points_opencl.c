@@ -42,7 +42,8 @@ typedef struct opencl_points {
     } list;
     struct {
         td_buffer columns, piece, chunks, values, turn;
-        double *out; /* target of values being computed */
+        cl_event launched; /* NULL: no values are being computed */
+        double *out;       /* their target */
         size_t out_bytes;
     } batch;
     td_buffer entries, beside; /* beside: curves of green and blue */
@@ -280,7 +281,7 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
                                      TD_BUFFER_ARGUMENT(p->beside),
                                      TD_VALUE_ARGUMENT(behind.green),
                                      TD_VALUE_ARGUMENT(behind.blue)};
-    return td_launch(p->device, p->value_kernel, 1, &items, &local, TD_ARGUMENTS(arguments), NULL, error);
+    return td_launch(p->device, p->value_kernel, 1, &items, &local, TD_ARGUMENTS(arguments), &p->batch.launched, error);
 }
 
 static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {
@@ -299,8 +300,10 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
 
 static tides_status finish(td_points_engine *engine, tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
-    const tides_status status = td_buffer_read(p->device, &p->batch.values, p->batch.out, p->batch.out_bytes, error);
-    return td_finish(p->device, status, error);
+    tides_status status = td_buffer_read(p->device, &p->batch.values, p->batch.out, p->batch.out_bytes, error);
+    status = td_finish(p->device, status, error);
+    engine->took = td_event_seconds(&p->batch.launched);
+    return status;
 }
 
 static void destroy(td_points_engine *engine) {

@@ -114,7 +114,8 @@ typedef struct td_points_class {
 struct td_points_engine {
     const td_points_class *type;
     int lanes;   /* largest number of points in a chunk */
-    int goes_on; /* 1: values are computed while the host does other work */
+    int goes_on; /* 1: values are computed while the host does other work, */
+    double took; /* for so long, the last ones that were finished [s] */
 };
 
 /* Engines: on an OpenCL device with double precision (else TIDES_UNSUPPORTED), or in C on the host. */

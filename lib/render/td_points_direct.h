@@ -6,6 +6,14 @@
 
 #include "td_points_near.h"
 
+/* Some of the points that are asked for: those numbered which[0 .. count). Their values go to the same numbers. */
+typedef struct td_points_some {
+    const td_point *points;
+    td_point_value *values;
+    const int *which;
+    int count;
+} td_points_some;
+
 typedef struct td_points_direct {
     td_points_engine *engine; /* NULL: not needed so far */
     td_point_nodes nodes;     /* of a lot (a batch of points): a row for each splat of each point */
@@ -22,6 +30,7 @@ typedef struct td_points_direct {
     double *column[TD_POINT_COLUMNS], *values;
     int *piece;
     td_points_near near;
+    td_points_some away; /* the lot that is under way; count 0: there is none */
     size_t gaussian_capacity[6], list_capacity, number_capacity;
 } td_points_direct;
 
@@ -35,14 +44,6 @@ tides_status td_points_direct_add(const struct tides_renderer *renderer, const t
 static inline int td_points_direct_sees(const td_points_direct *direct, const td_point *point, int width) {
     return direct->any && direct->bent[(size_t)point->y * (size_t)width + (size_t)point->x];
 }
-
-/* Some of the points that are asked for: those numbered which[0 .. count). Their values go to the same numbers. */
-typedef struct td_points_some {
-    const td_point *points;
-    td_point_value *values;
-    const int *which;
-    int count;
-} td_points_some;
 
 /* Computes some points. `exact`: the scene in double; the rows that it held before are lost. */
 tides_status td_points_direct_values(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,

@@ -155,6 +155,9 @@ tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error
 void td_renderer_points_drop(tides_renderer *renderer);
 int td_renderer_points_go_on(const tides_renderer *renderer);
 
+/* Time that a device worked on the last values that were ended, beside the caller [s]; 0 where it doesn't. */
+double td_renderer_points_took(const tides_renderer *renderer);
+
 /* To be called before any point is asked for. The renderer then computes points one by one, in double precision whatever its
  * own is, with every splat (no stop rule). Points see the image that record paths make of the interval swept last
  * (kernels/points.h). TIDES_UNSUPPORTED, with the reason, where that can't be had. */

@@ -48,4 +48,7 @@ enum { TD_FEWEST_UNITS = 4 };
 TIDES_MUST_CHECK tides_status td_share_out(tides_simulator *s, int count, int fewest, td_portion_worker worker,
                                            const void *user, tides_error *error);
 
+/* Processor time of the calling thread outside works that the pool's threads share, and beside no launch on a device [s]. */
+double td_alone_time(const tides_simulator *s);
+
 #endif

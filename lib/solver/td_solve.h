@@ -53,6 +53,8 @@ typedef struct td_solve {
     int filling;                            /* number of the one that is being filled */
     size_t enough;                          /* points of a full batch, while the device works on another */
     size_t enough_now;                      /* and now: smaller at first, when the device has nothing to do */
+    double sent_s, sent_alone_s; /* td_now and td_alone_time when the device was given a batch; sent_s 0: it has none */
+    double covered_s;            /* time of the calling thread alone while the device worked on batches [s] */
 } td_solve;
 
 /* The batch that is being filled. */

@@ -1886,8 +1886,8 @@ class tides_stats(Structure):
     uint64_t unit; /* TIDES_UNIT_* of the run: TILE or BLOCK */
     double tolerance; /* the run's [thresholds] */
     uint64_t events_filtered[TIDES_STAGES]; /* dropped behind the readout, by TIDES_STAGE_* */
-    /* Processor time of the calling thread while no other worked beside it on the host [s]: time that more threads don't
-    * shorten. Waiting for a device takes none, unless its driver spins. */
+    /* Processor time of the calling thread while no other worked beside it on the host, and no launch on a device [s]: time
+    * that more threads don't shorten. Waiting for a device takes none, unless its driver spins. */
     double time_alone_s;
     """
 

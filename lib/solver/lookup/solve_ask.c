@@ -31,13 +31,23 @@ tides_status td_solve_send(tides_simulator *s, td_solve_batch *batch, tides_erro
     s->solve.lookups += batch->points;
     status = td_renderer_points_begin(s->renderer, s->camera, batch->point, batch->points, batch->value, error);
     td_solve_note_time(s, begun);
+    s->solve.sent_s = td_now();
+    s->solve.sent_alone_s = td_alone_time(s);
     return status;
 }
 
+/* Adds the calling thread's time since the batch was sent, as far as the device worked on it: `alone` of `wall`. */
+static void note_covered(tides_simulator *s, double alone, double wall) {
+    const double took = td_renderer_points_took(s->renderer);
+    if (s->solve.sent_s > 0) s->solve.covered_s += took < wall ? alone * (took / wall) : alone;
+    s->solve.sent_s = 0;
+}
+
 tides_status td_solve_receive(tides_simulator *s, tides_error *error) {
-    const double begun = td_now();
+    const double begun = td_now(), alone = td_alone_time(s) - s->solve.sent_alone_s;
     const tides_status status = td_renderer_points_end(s->renderer, error);
     td_solve_note_time(s, begun);
+    note_covered(s, alone, begun - s->solve.sent_s);
     return status;
 }
 
@@ -59,6 +69,7 @@ int td_solve_has_enough(const tides_simulator *s) {
 
 void td_solve_clear_batches(tides_simulator *s) {
     td_renderer_points_drop(s->renderer);
+    s->solve.sent_s = 0;
     for (int k = 0; k < TD_SOLVE_BATCHES; k++) s->solve.batch[k].points = s->solve.batch[k].pixels = 0;
     s->done.solve.refer.count = 0;
     s->solve.enough_now = s->solve.enough < FIRST ? s->solve.enough : FIRST;

@@ -262,9 +262,6 @@ double td_simulator_extends_from(const tides_simulator *s, double until) {
     return s->epoch + td_grid_time(s, last < s->grid.steps ? last : s->grid.steps - 1);
 }
 
-/* Processor time of the calling thread outside of works that the pool's threads share [s]. */
-static double own_time(const tides_simulator *s) { return td_own_time() - td_pool_shared_time(s->sharing.pool); }
-
 tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
                                  tides_progress progress, void *user, tides_error *error) {
     if (!simulator) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: simulator must be given");
@@ -274,7 +271,7 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     if (!td_grid_reaches(&simulator->grid, 0, simulator->epoch, until))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %s s is before the start, %s s", TD_SHORT(until),
                        TD_SHORT(simulator->epoch));
-    const double begun = td_now(), own = own_time(simulator);
+    const double begun = td_now(), alone = td_alone_time(simulator);
     tides_status status = TIDES_OK;
     const int64_t last = last_point(simulator, until);
     if (last > simulator->step) status = check_told(simulator, last, error);
@@ -285,7 +282,7 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     if (status == TIDES_OK) status = advance_to(simulator, last, sink, sink_user, error);
     td_progress_end(simulator);
     simulator->totals.here.run_time_s += td_now() - begun;
-    simulator->totals.here.time_alone_s += own_time(simulator) - own;
+    simulator->totals.here.time_alone_s += td_alone_time(simulator) - alone;
     return status;
 }
 

@@ -23,6 +23,10 @@ void td_sharing_release(td_sharing *sharing) {
     *sharing = (td_sharing){.pool = NULL};
 }
 
+double td_alone_time(const tides_simulator *s) {
+    return td_own_time() - td_pool_shared_time(s->sharing.pool) - s->solve.covered_s;
+}
+
 /* -- what came of a portion ------------------------------------------------------------------------------------------------ */
 
 /* Adds timing weights. Estimated events count in 64ths, and measured ones aren't added where work is shared out. So sums are
