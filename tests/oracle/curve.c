@@ -85,7 +85,8 @@ static void range_of(const oracle_curve *c, int k, int from, int to, double rang
 static int swings(const oracle_curve *c, int i, int k, const double *slope, double whole) {
     double around[2];
     range_of(c, k, i - 3, i + 5, around);
-    const double beyond = fmax(around[1] - around[0], 0.01 * whole), from = value_of(c, i, k), way = value_of(c, i + 1, k) - from;
+    const double beyond = fmax(around[1] - around[0], 0.01 * whole), from = value_of(c, i, k),
+                 way = value_of(c, i + 1, k) - from;
     for (int n = 1; n < 16; n++) {
         const double u = n / 16.0, v = 1 - u;
         const double x = from + u * u * (1 + 2 * v) * way + span(c, i) * u * v * (v * slope[i] - u * slope[i + 1]);
