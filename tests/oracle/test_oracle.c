@@ -88,21 +88,6 @@ static void test_few_are_lost(void **state) {
     assert_true(uncertain <= UNCERTAIN_EACH * wrong + 1e-6 * MOST_UNCERTAIN * events);
 }
 
-/* Scenes that failed once. Swaps within one body that a turning camera makes: one late event each, not counted as uncertain.
- * Many swaps in steps as short as min_step_s, in which no sample showed that a level was near: events 570 and 281 ns late,
- * with a reported p99 of 4 ns. Swaps of splats that keyframes move: a wrong pixel each, not counted. A cubic that passed a
- * level beyond a clamp of colour, where its tangents met beside its end (lamps 205). A swap that hid a turn after a look in
- * either half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights
- * 403). At srgb, a splat that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it
- * again, where the event was found 0.4 ms late (fade 301). An object that leaps: the oracle's samples missed a pair of events
- * of splats that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a
- * step, short of which a crossing was sought in vain (taper 404), and turns below a level (taper 1111). Swaps within a body,
- * and of keyframed splats, of 5 to 25 % of a step (stack 102, stops 1108). A taper of opacity that splats pass within 80 us
- * while they fade at the near plane (near 402). A swap that was sought beside its time, because a joint of keyframes was between
- * samples (stops 2003). A splat that swings between keyframes of one place (stops 1103). A kink in a piece that seemed smooth, by
- * 1.16 of what its probe saw (harmonics 1110); one after a look that found little by chance (near 1110); kinks 60 ns behind a
- * look (lights 1113); a level touched 0.6 ms before a flat crossing (near 2002). Splines that swing between equal frames, of
- * which the oracle didn't know that they are calmed (stops 3005). */
 static trial_result run_one(const char *kind, unsigned long long seed, double share, int coded) {
     trial_options options = trial_defaults();
     trial_result result;
@@ -114,6 +99,21 @@ static trial_result run_one(const char *kind, unsigned long long seed, double sh
     return result;
 }
 
+/* Scenes that failed once. Swaps within one body that a turning camera makes: one late event each, not counted as uncertain.
+ * Many swaps in steps as short as min_step_s, in which no sample showed that a level was near: events 570 and 281 ns late,
+ * with a reported p99 of 4 ns. Swaps of splats that keyframes move: a wrong pixel each, not counted. A cubic that passed a
+ * level beyond a clamp of colour, where its tangents met beside its end (lamps 205). A swap that hid a turn after a look in
+ * either half (spin 401), and a p99 that was too small (spin 211). A kink a little further than its tangents said (lights
+ * 403). At srgb, a splat that fades over a brighter one: the signal passed a level by 0.003 thresholds, turned, and passed it
+ * again, where the event was found 0.4 ms late (fade 301). An object that leaps: the oracle's samples missed a pair of events
+ * of splats that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a
+ * step, short of which a crossing was sought in vain (taper 404), and turns below a level (taper 1111). Swaps within a body,
+ * and of keyframed splats, of 5 to 25 % of a step (stack 102, stops 1108). A taper of opacity that splats pass within 80 us
+ * while they fade at the near plane (near 402). A swap that was sought beside its time, because a joint of keyframes was
+ * between samples (stops 2003). A splat that swings between keyframes of one place (stops 1103). A kink in a piece that seemed
+ * smooth, by 1.16 of what its probe saw (harmonics 1110); one after a look that found little by chance (near 1110); kinks 60
+ * ns behind a look (lights 1113); a level touched 0.6 ms before a flat crossing (near 2002). Splines that swing between equal
+ * frames, of which the oracle didn't know that they are calmed (stops 3005). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;

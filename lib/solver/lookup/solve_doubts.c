@@ -49,8 +49,8 @@ enum { LOOKS_BEFORE_FLAT = 3 };
 
 /* The polarity of the change that follows the first n changes, if its level doesn't count as a doubt at s of piece k, where the
  * signal has `left` to it; else 0. It doesn't count while the crossing is to be looked up by itself, nor within an eighth of a
- * piece before it, nor after some looks where the crossing is flat: a background that comes back stays at its level. Further before a crossing
- * that is known, the signal may have passed the level and come back. */
+ * piece before it, nor after some looks where the crossing is flat: a background that comes back stays at its level. Further
+ * before a crossing that is known, the signal may have passed the level and come back. */
 static int next_polarity(const td_visit *v, int k, int n, double s) {
     const td_change *next = &v->changes.change[n];
     const td_pieces *pieces = &v->model.pieces;
