@@ -76,7 +76,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_motion_create_rotor(const tides_ro
                                                                   tides_error *error);
 
 /* Raw parameters at frames (Dynamic3DGaussians, Luiten et al. 2024; sequences of .ply files), joined by a C2 cubic spline;
- * rates are its exact derivative. Quaternions are normalised, their signs made continuous, and normalised again in between.
+ * where that would swing far beyond the frames around it, by a calmer C1 one. Rates are its exact derivative. Quaternions are
+ * normalised, their signs made continuous, and normalised again in between.
  * Parameters that are NULL stay the Gaussians' own. Its clock is that of `time`, from the first frame to the last. */
 typedef struct tides_keyframes_motion {
     int64_t frames, count;      /* T >= 2, N */

@@ -247,21 +247,11 @@ static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *n
     return !object || !object->expensive;
 }
 
-/* 1 where the motion of Gaussian i may have a joint within the only piece. Keyframes may then be at both ends and in the middle.
- * If the Gaussian has the same place in all of them, it swings to either side between, and its path on the screen misses the
- * cubic by the square of that swing, which shows at none of three nodes (check_lost, stops 1103). */
+/* 1 where Gaussian i may have a joint within the only piece. With one place in keyframes at both ends and in the middle it
+ * swings between, and on the screen misses the cubic by the square of that: no node of three shows it (check_lost, stops
+ * 1103). */
 static int has_joint(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
     return nodes->joints > 0 && nodes->pieces == 1 && moved_by(renderer, nodes, i) && may_be_direct(renderer, nodes, i);
-}
-
-/* Gaussian i, whose curves fit at level 1, has been tried at level 2. If they fit there, too, it keeps its rows of level 1. */
-static int is_kept(td_path_group *group, int i, double worst, double target) {
-    const int first = group->kept[i];
-    group->kept[i] = -1;
-    if (first < 0 || worst > target) return 0;
-    group->first[i] = first;
-    group->level[i] = 1;
-    return 1;
 }
 
 /* Chooses the level of Gaussian i from the error in the middle of the previous level's cubics (number k of the fit). The
@@ -273,13 +263,14 @@ static tides_status choose_level(const tides_renderer *renderer, td_point_nodes 
     const double target = target_of(renderer, nodes, i), worst = (double)group->fit.worst[k] * TD_POINT_PATH_TARGET;
     const int first = first_level(renderer, nodes, group->gaussians[i]);
     nodes->moving += worst > 0 && group->level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
-    if (worst > falls * target && group->level[i] < MOST_LEVEL) return refine(nodes, i, error);
-    const int is_bent = worst > falls * target;
-    if (group->level[i] == 1 && !is_bent && has_joint(renderer, nodes, i)) {
-        group->kept[i] = group->first[i];
-        return refine(nodes, i, error);
+    const int is_bent = worst > falls * target, kept = group->kept[i];
+    group->kept[i] = group->level[i] == 1 && !is_bent && has_joint(renderer, nodes, i) ? group->first[i] : -1;
+    if (group->kept[i] >= 0 || (is_bent && group->level[i] < MOST_LEVEL)) return refine(nodes, i, error);
+    if (kept >= 0 && worst <= target) { /* its curves of level 1 fit at level 2, too */
+        group->first[i] = kept;
+        group->level[i] = 1;
+        return TIDES_OK;
     }
-    if (is_kept(group, i, worst, target)) return TIDES_OK;
     if (group->level[i] == 1 && worst <= target) group->level[i] = 0; /* its rows are every other row of level 1 */
     const int is_direct = is_bent && may_be_direct(renderer, nodes, i);
     nodes->bent += is_bent;

@@ -42,7 +42,7 @@ enum { TD_KNOWS_START = 1, TD_KNOWS_END = 2 };
 /* Least distance of nodes, in steps: far below a nanosecond, and enough for slopes from differences. */
 #define TD_SOLVE_APART 1e-8
 
-/* The error that is possible in the middle of a step before anything is looked up. A kink may leave a little more of it than the
+/* The error that is possible in the middle of a step before anything is looked up. A kink may leave a little more than the
  * probe saw (1.16 of that in check_lost, harmonics 1110), so that half as much again is allowed for. It takes 1.3 % more
  * looks. */
 static inline double td_solve_first_doubt(const td_trust *trust) { return 1.5 * trust->error; }

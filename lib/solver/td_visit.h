@@ -56,8 +56,8 @@ void td_find_swapped(td_visit *v);
 int td_is_known(const td_visit *v, int n);
 
 /* Finds pieces whose error may exceed the distance to a level, and the worst place of each, `most` at most. Returns their
- * number. */
-int td_find_approaches(const td_visit *v, td_approach *found, int most);
+ * number. *grazes: turns that are nearer to a level than looks are accurate. */
+int td_find_approaches(const td_visit *v, td_approach *found, int most, int *grazes);
 
 /* Finds places within swaps of depth that may decide whether a level is reached and haven't been looked at, `most` at most.
  * Returns their number. */

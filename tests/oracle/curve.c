@@ -1,6 +1,7 @@
 /* Computes the slopes of curves through samples by three laws, and evaluates the cubics between samples. */
 #include "tests/oracle/curve.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,6 +71,58 @@ static void catmull_rom_slopes(const oracle_curve *c, int k, double *right) {
         right[i] = (value_of(c, i + 1, k) - value_of(c, i - 1, k)) / (c->time[i + 1] - c->time[i - 1]);
 }
 
+/* Lowest and highest value of number k at samples [from, to), within the curve. */
+static void range_of(const oracle_curve *c, int k, int from, int to, double range[2]) {
+    range[0] = INFINITY, range[1] = -INFINITY;
+    for (int i = from < 0 ? 0 : from; i < to && i < c->count; i++) {
+        range[0] = fmin(range[0], value_of(c, i, k));
+        range[1] = fmax(range[1], value_of(c, i, k));
+    }
+}
+
+/* 1 if the cubic of interval i leaves the range of the four samples on either side of it by more than that range, and by more
+ * than a hundredth of all samples' (`whole`). It is tried at sixteenths. */
+static int swings(const oracle_curve *c, int i, int k, const double *slope, double whole) {
+    double around[2];
+    range_of(c, k, i - 3, i + 5, around);
+    const double beyond = fmax(around[1] - around[0], 0.01 * whole), from = value_of(c, i, k),
+                 way = value_of(c, i + 1, k) - from;
+    for (int n = 1; n < 16; n++) {
+        const double u = n / 16.0, v = 1 - u;
+        const double x = from + u * u * (1 + 2 * v) * way + span(c, i) * u * v * (v * slope[i] - u * slope[i + 1]);
+        if (x < around[0] - beyond || x > around[1] + beyond) return 1;
+    }
+    return 0;
+}
+
+/* Fritsch and Butland's slope at sample i: a weighted harmonic mean of both secants, 0 where the samples turn round. */
+static double calm_slope(const oracle_curve *c, int i, int k) {
+    if (i == 0) return secant(c, 0, k);
+    if (i + 1 == c->count) return secant(c, i - 1, k);
+    const double before = span(c, i - 1), after = span(c, i), first = secant(c, i - 1, k), last = secant(c, i, k);
+    if (!(first * last > 0)) return 0;
+    return 3 * (before + after) / ((before + 2 * after) / first + (2 * before + after) / last);
+}
+
+/* Gives both ends of each interval that swings far beyond its samples calm slopes, until none does. A calmed end may make the
+ * next interval swing. */
+static void calm(const oracle_curve *c, int k, double *slope, double *now) {
+    double all[2];
+    char *is_calm = oracle_alloc((size_t)c->count, 1);
+    range_of(c, k, 0, c->count, all);
+    for (int found = 1; found;) {
+        found = 0;
+        memcpy(now, slope, (size_t)c->count * sizeof *now);
+        for (int i = 0; i + 1 < c->count; i++) {
+            if ((is_calm[i] && is_calm[i + 1]) || !swings(c, i, k, now, all[1] - all[0])) continue;
+            found = is_calm[i] = is_calm[i + 1] = 1;
+            slope[i] = calm_slope(c, i, k);
+            slope[i + 1] = calm_slope(c, i + 1, k);
+        }
+    }
+    free(is_calm);
+}
+
 void oracle_curve_finish(oracle_curve *c) {
     if (c->count < 2) return;
     double *upper = oracle_alloc((size_t)c->count, sizeof *upper), *right = oracle_alloc((size_t)c->count, sizeof *right);
@@ -83,6 +136,7 @@ void oracle_curve_finish(oracle_curve *c) {
             parabola_slopes(c, k, right);
         else if (c->law == ORACLE_SPLINE)
             spline_slopes(c, k, upper, right);
+        if (c->law == ORACLE_SPLINE) calm(c, k, right, upper);
         for (int i = 0; i < c->count; i++) c->slope[(size_t)i * (size_t)c->width + (size_t)k] = right[i];
     }
     free(upper);

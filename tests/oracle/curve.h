@@ -4,7 +4,8 @@
 
 #include <stddef.h>
 
-/* Laws of slopes. Spline: a C2 spline, not-a-knot at both ends; through two samples a line, through three a parabola.
+/* Laws of slopes. Spline: a C2 spline, not-a-knot at both ends; through two samples a line, through three a parabola. An
+ * interval that swings by more than the range of the samples around it is replaced by a monotone one.
  * Catmull-Rom: the secant between both neighbours; at an end, half the slope of the last interval. Resting: 0 at each
  * sample. */
 enum { ORACLE_SPLINE = 0, ORACLE_CATMULL_ROM = 1, ORACLE_RESTING = 2 };

@@ -88,6 +88,17 @@ static void test_few_are_lost(void **state) {
     assert_true(uncertain <= UNCERTAIN_EACH * wrong + 1e-6 * MOST_UNCERTAIN * events);
 }
 
+static trial_result run_one(const char *kind, unsigned long long seed, double share, int coded) {
+    trial_options options = trial_defaults();
+    trial_result result;
+    const int number = oracle_world_named(kind);
+    assert_true(number >= 0);
+    options.share = share;
+    options.coded = coded;
+    assert_int_equal(trial_run_all(&options, number, seed, 1, 1, &result), 1);
+    return result;
+}
+
 /* Scenes that failed once. Swaps within one body that a turning camera makes: one late event each, not counted as uncertain.
  * Many swaps in steps as short as min_step_s, in which no sample showed that a level was near: events 570 and 281 ns late,
  * with a reported p99 of 4 ns. Swaps of splats that keyframes move: a wrong pixel each, not counted. A cubic that passed a
@@ -98,9 +109,12 @@ static void test_few_are_lost(void **state) {
  * of splats that pass a pixel within a microsecond (leap 704). In dark pixels, where a sample was off by 7e-5: an end of a
  * step, short of which a crossing was sought in vain (taper 404), and turns below a level (taper 1111). Swaps within a body,
  * and of keyframed splats, of 5 to 25 % of a step (stack 102, stops 1108). A taper of opacity that splats pass within 80 us
- * while they fade at the near plane (near 402). A swap that was sought beside its time, because a joint of keyframes was between
- * samples (stops 2003). A splat that swings between keyframes of one place (stops 1103). Reported p99 that were too small: a
- * slope that was the model's alone (leap 402), and a sample of 512 events, all of them better than that (stack 1104). */
+ * while they fade at the near plane (near 402). A swap that was sought beside its time, because a joint of keyframes was
+ * between samples (stops 2003). A splat that swings between keyframes of one place (stops 1103). A kink in a piece that seemed
+ * smooth, by 1.16 of what its probe saw (harmonics 1110); one after a look that found little by chance (near 1110); kinks 60
+ * ns behind a look (lights 1113); a level touched 0.6 ms before a flat crossing (near 2002). Splines that swing between equal
+ * frames, of which the oracle didn't know that they are calmed (stops 3005). Reported p99 that were too small: a slope that
+ * was the model's alone (leap 402), and a sample of 512 events, all of them better than that (stack 1104). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;
@@ -108,33 +122,39 @@ static void test_mended(void **state) {
         double share;
         size_t events;
         int coded;
-    } scenes[] = {{"sweep", 6, SHARE, 1000, 0}, {"crowd", 3, SHARE, 1000, 0}, {"leap", 2, 0.25, 60, 0},
-                  {"leap", 111, 0.25, 100, 0},  {"stops", 105, 0.25, 700, 0}, {"stops", 203, 0.3, 800, 0},
-                  {"stops", 205, 0.3, 100, 0},  {"lamps", 205, 0.3, 1000, 0}, {"spin", 401, 1, 1000, 0},
-                  {"spin", 211, 0.3, 30, 0},    {"lights", 403, 1, 1000, 0},  {"fade", 301, 0.3, 200, 1},
-                  {"leap", 704, 1, 20000, 0},   {"taper", 404, 1, 90000, 0},  {"taper", 1111, 1, 90000, 0},
-                  {"stack", 102, 0.25, 300, 0}, {"stops", 1108, 1, 7000, 0},  {"near", 402, 1, 70000, 0},
-                  {"leap", 2012, 1, 17000, 0},  {"stops", 2003, 1, 3000, 0},  {"stops", 1103, 1, 4500, 0},
-                  {"leap", 402, 0.3, 80, 0},    {"stack", 1104, 1, 17000, 0}};
+    } scenes[] = {{"sweep", 6, SHARE, 1000, 0},     {"crowd", 3, SHARE, 1000, 0}, {"leap", 2, 0.25, 60, 0},
+                  {"leap", 111, 0.25, 100, 0},      {"stops", 105, 0.25, 700, 0}, {"stops", 203, 0.3, 800, 0},
+                  {"stops", 205, 0.3, 100, 0},      {"lamps", 205, 0.3, 1000, 0}, {"spin", 401, 1, 1000, 0},
+                  {"spin", 211, 0.3, 30, 0},        {"lights", 403, 1, 1000, 0},  {"fade", 301, 0.3, 200, 1},
+                  {"leap", 704, 1, 20000, 0},       {"taper", 404, 1, 90000, 0},  {"taper", 1111, 1, 90000, 0},
+                  {"stack", 102, 0.25, 300, 0},     {"stops", 1108, 1, 7000, 0},  {"near", 402, 1, 70000, 0},
+                  {"leap", 2012, 1, 17000, 0},      {"stops", 2003, 1, 3000, 0},  {"stops", 1103, 1, 4500, 0},
+                  {"harmonics", 1110, 1, 11000, 0}, {"near", 1110, 1, 12000, 0},  {"lights", 1113, 1, 85000, 0},
+                  {"near", 2002, 1, 9000, 0},       {"stops", 3005, 1, 4500, 0},  {"leap", 402, 0.3, 80, 0},
+                  {"stack", 1104, 1, 17000, 0}};
     (void)state;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
-        trial_options options = trial_defaults();
-        trial_result result;
-        const int kind = oracle_world_named(scenes[i].kind);
-        assert_true(kind >= 0);
-        options.share = scenes[i].share;
-        options.coded = scenes[i].coded;
-        assert_int_equal(trial_run_all(&options, kind, scenes[i].seed, 1, 1, &result), 1);
+        const trial_result result = run_one(scenes[i].kind, scenes[i].seed, scenes[i].share, scenes[i].coded);
         assert_true(result.v.events > scenes[i].events);
         assert_int_equal(result.v.lost + result.v.false_ones, 0);
         assert_int_equal(verdict_dishonest(&result.v), 0);
     }
 }
 
+/* A signal that turns 3e-8 short of a level: looks are less accurate than that (5e-7), and say that it is reached. So it is
+ * counted. */
+static void test_graze_counts(void **state) {
+    const trial_result result = run_one("veil", 3004, 1, 0);
+    (void)state;
+    assert_true(result.v.events > 50000);
+    assert_true(result.v.uncertain > 0 && result.v.lost + result.v.false_ones <= result.v.uncertain);
+    assert_true(result.v.uncertain <= 3);
+}
+
 int main(void) {
     /* Tests that start processes come first, before this process opens a device. */
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_oracle_is_sure), cmocka_unit_test(test_few_are_lost),
-                                       cmocka_unit_test(test_mended), cmocka_unit_test(test_images),
-                                       cmocka_unit_test(test_coded_images)};
+                                       cmocka_unit_test(test_mended),         cmocka_unit_test(test_graze_counts),
+                                       cmocka_unit_test(test_images),         cmocka_unit_test(test_coded_images)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -49,8 +49,8 @@ enum { LOOKS_BEFORE_FLAT = 3 };
 
 /* The polarity of the change that follows the first n changes, if its level doesn't count as a doubt at s of piece k, where the
  * signal has `left` to it; else 0. It doesn't count while the crossing is to be looked up by itself, nor within an eighth of a
- * piece before it, nor after some looks where the crossing is flat: a background that comes back stays at its level. Further before a crossing
- * that is known, the signal may have passed the level and come back. */
+ * piece before it, nor after some looks where the crossing is flat: a background that comes back stays at its level. Further
+ * before a crossing that is known, the signal may have passed the level and come back. */
 static int next_polarity(const td_visit *v, int k, int n, double s) {
     const td_change *next = &v->changes.change[n];
     const td_pieces *pieces = &v->model.pieces;
@@ -235,15 +235,32 @@ static int may_swap_decide(const td_visit *v, const td_swap_place *swap) {
     return 0;
 }
 
-int td_find_approaches(const td_visit *v, td_approach *found, int most) {
+/* A turn grazes a level that is within the accuracy of looks, if the signal is further from it at both ends of the step. One
+ * that rests on its level, as a background that comes back, is on it to the last bit. */
+static const double grazes_by = TD_POINT_PATH_TARGET, leaves_by = 10 * TD_POINT_PATH_TARGET;
+
+/* 1 where looks don't tell whether the turn at u of piece k is short of a level or beyond it. */
+static int is_graze(const td_visit *v, int k, double u) {
+    const td_pieces *pieces = &v->model.pieces;
+    const double s = pieces->from[k] + u * (pieces->from[k + 1] - pieces->from[k]), S = td_model_value(&pieces->model[k], u);
+    const int n = td_changes_until(v, s);
+    const double passed = n > 0 && v->changes.change[n - 1].fired ? fabs(S - td_reference_after(v, n)) : INFINITY;
+    if (td_lesser(td_left_at(v, n, s, S), passed) > grazes_by) return 0;
+    const double start = pieces->model[0].control[0], end = pieces->model[pieces->count - 1].control[3];
+    return td_lesser(fabs(start - S), fabs(end - S)) > leaves_by;
+}
+
+int td_find_approaches(const td_visit *v, td_approach *found, int most, int *grazes) {
     const td_pieces *pieces = &v->model.pieces;
     int count = 0;
+    *grazes = 0;
     for (int k = 0; k < pieces->count && count < most; k++) {
         double places[2];
         const int turns = td_model_extrema(&pieces->model[k], places);
         td_approach worst = {.left = INFINITY};
         for (int i = 0; i < turns; i++) {
             td_approach at = approach_at(v, k, places[i]);
+            *grazes += is_graze(v, k, places[i]);
             at.doubt = td_greater(at.doubt, at.error);
             at.left = td_lesser(at.left, beyond_at(v, k, at.s));
             take_worse(v, &at, &worst);

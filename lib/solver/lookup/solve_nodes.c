@@ -142,8 +142,8 @@ void td_solve_insert(const td_solve *solve, td_looked *looked, int32_t number, d
     const double h = (b.s - a.s) * ends->h, u = (s - a.s) / (b.s - a.s);
     const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, a.S, a.S_dot, b.S, b.S_dot);
     td_trust *left = before >= 0 ? &solve->found[before].trust : &looked->trust;
-    const td_trust whole = learnt(left, looked->nodes == 0, u, value->L - td_model_value(&model, u),
-                                  h * value->L_dot - td_model_slope(&model, u));
+    const td_trust whole =
+        learnt(left, looked->nodes == 0, u, value->L - td_model_value(&model, u), h * value->L_dot - td_model_slope(&model, u));
     const td_trust right = {left_in(&whole, 1 - u), whole.is_smooth, unseen_in(&whole, 1 - u)};
     solve->found[number] = (td_found){{s, value->L, value->L_dot}, right, after};
     *left = (td_trust){left_in(&whole, u), whole.is_smooth, unseen_in(&whole, u)};

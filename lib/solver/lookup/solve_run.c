@@ -176,9 +176,8 @@ static tides_status judge(td_visit *v, int *asked, int *doubts, tides_error *err
     const size_t before = batch->points;
     const int may_ask = v->looked->looks < MOST_LOOKS;
     weigh(v);
-    const int count = td_find_approaches(v, near, MOST_APPROACHES);
+    const int count = td_find_approaches(v, near, MOST_APPROACHES, doubts);
     tides_status status = may_ask ? ask_ends(v, error) : TIDES_OK;
-    *doubts = 0;
     if (status == TIDES_OK && may_ask) status = ask_changes(v, error);
     for (int k = 0; k < count && status == TIDES_OK; k++) {
         if (may_ask && near[k].doubt > v->model.floor)
