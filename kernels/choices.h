@@ -87,5 +87,8 @@
 #define td_with_luminance(image) (!td_with_decoder(image) && !td_is_coded(image))
 #define td_with_channels(image) (!td_with_decoder(image) && td_with_colour(image) && !td_is_coded(image))
 #define td_by_channels(image) (!td_with_decoder(image) && td_is_coded(image))
+/* 1 where record paths have red, green and blue by themselves, before their clamp at 0: light isn't linear in them, or they
+ * depend on the direction, so that a clamp may begin or end. */
+#define td_paths_by_channels(image) (td_is_coded(image) || td_sh_degree(image) > 0)
 
 #endif

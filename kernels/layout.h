@@ -76,7 +76,8 @@ enum {
     TD_PATH_NUMBERS = 8, TD_PATH_STRIDE = 16
 };
 
-/* Where light isn't linear in colours, a row's luminance is red. Green, blue and then their rates are in a second array. */
+/* Where paths are by channels (td_paths_by_channels), a row's luminance is red. Green, blue and then their rates are in a
+ * second array. */
 enum { TD_BESIDE_NUMBERS = 2, TD_BESIDE_STRIDE = 4 };
 
 enum {

@@ -9,7 +9,7 @@
 /* Where rows are stored. */
 typedef struct td_node_sink {
     TD_GLOBAL td_real *rows;
-    TD_GLOBAL td_real *beside; /* green, blue and their rates, where light isn't linear in colours; then `rows` has red */
+    TD_GLOBAL td_real *beside; /* of td_paths_by_channels: green, blue and their rates; then `rows` has red */
 } td_node_sink;
 
 /* The splats whose row may be used. The projection scales splats wider than 2^24 px (2^48 px^2) down, so that their determinant
@@ -63,12 +63,12 @@ TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int 
     td_shape shape = td_project_bare(view, image, &numbers, gaussian >= 0);
     /* Cubics follow colours that aren't clamped. A clamp is a kink, which no cubic follows: splats with one were projected at
      * each point's own time, at ten times the cost. Points clamp what the cubics say (point_splats.h). */
-    const int clamps_here = !td_is_coded(image) || view->colour_floor > image->colour_floor;
+    const int clamps_here = !td_paths_by_channels(image) || view->colour_floor > image->colour_floor;
     td_colour colour = td_project_colour_above(view, image, &own, &numbers, td_not_below_0(gaussian),
                                                clamps_here ? view->colour_floor : TD_NO_FLOOR);
     td_lanes entry[TD_PATH_STRIDE];
     td_dual light = colour.channel[0];
-    if (td_is_coded(image))
+    if (td_paths_by_channels(image))
         td_node_lay_beside(&colour, row, sink->beside);
     else
         light = td_luminance_of(&colour, image);
@@ -226,7 +226,7 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, TD_GLOBAL const
     td_path_splat path = td_path_blend(&cubic, start, end), own = td_path_row(middle);
     td_dual a = td_path_a(&own);
     td_path_stray off = td_path_compare(&path, td_path_a(&path), &own, a);
-    if (td_is_coded(image)) td_path_channels(beside, row, &cubic, image, &own, &off);
+    if (td_paths_by_channels(image)) td_path_channels(beside, row, &cubic, image, &own, &off);
     const td_real eps = image->transfer.dark;
     td_lanes value =
         td_path_change(&own, a.v, off.u.v, off.v.v, off.a.v, off.b.v, off.c.v, off.det.v, off.opacity.v, off.luminance.v, eps);

@@ -43,12 +43,12 @@ __kernel void td_project_nodes(__constant const td_image *image_buffer, __global
                    (int)get_local_id(0) * TD_LANES, (int)get_local_size(0) * TD_LANES);
 }
 
-/* Makes rows of the next level at `to` of those at `from`, for `count` paths; `beside` are green and blue where light isn't
- * linear in colours. */
-__kernel void td_halve_paths(__global td_real *rows, __global td_real *beside, int is_coded, __global const int *from,
+/* Makes rows of the next level at `to` of those at `from`, for `count` paths; `beside` are green and blue where paths are by
+ * channels. */
+__kernel void td_halve_paths(__global td_real *rows, __global td_real *beside, int by_channels, __global const int *from,
                              __global const int *to, int count, int level, int pieces, __global const td_real *lengths) {
     for (int i = (int)get_global_id(0); i < count; i += (int)get_global_size(0)) {
         td_path_halve(rows, TD_PATH_NUMBERS, from[i], to[i], level, pieces, lengths);
-        if (is_coded) td_path_halve(beside, TD_BESIDE_NUMBERS, from[i], to[i], level, pieces, lengths);
+        if (by_channels) td_path_halve(beside, TD_BESIDE_NUMBERS, from[i], to[i], level, pieces, lengths);
     }
 }

@@ -136,7 +136,7 @@ TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight
     view.opacity = opacity.v;
     view.slope = td_fma(-0.5f * distance.d, opacity.v, opacity.d) * rate;
     td_dual light = td_dual_make(td_point_pick(value, TD_P_LUMINANCE), td_point_pick(slope, TD_P_LUMINANCE) * rate);
-    if (td_is_coded(image)) light = td_sh_floor(light, image->colour_floor); /* curves of colours aren't clamped */
+    if (td_paths_by_channels(image)) light = td_sh_floor(light, image->colour_floor); /* red, which curves don't clamp */
     view.luminance = light.v, view.luminance_dot = light.d;
     view.depth = td_select(td_splat(0.0f), z.v, there), view.growth = z.d * rate * (inverse * under);
     return view;
@@ -196,7 +196,8 @@ TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real 
 /* A curve of green and blue beside a splat's curve at `curve`. */
 TD_INLINE int td_point_beside_at(int curve) { return curve / (TD_CURVE_REALS / TD_BESIDE_REALS); }
 
-/* Green and blue at the times of the lanes, on one curve for all (`together`), or on a curve each. */
+/* Green and blue at the times of the lanes, on one curve for all (`together`), or on a curve each. Where light is linear in
+ * colours, they are added to red, and the view has luminance. */
 TD_INLINE void td_point_see_beside(const td_image *image, TD_GLOBAL const td_real *beside, const int *curve, int together,
                                    td_lanes way, td_lanes rate, TD_GLOBAL td_real *view) {
     td_lanes green, green_slope, blue, blue_slope;
@@ -213,6 +214,15 @@ TD_INLINE void td_point_see_beside(const td_image *image, TD_GLOBAL const td_rea
     }
     const td_dual g = td_sh_floor(td_dual_make(green, green_slope * rate), image->colour_floor);
     const td_dual b = td_sh_floor(td_dual_make(blue, blue_slope * rate), image->colour_floor);
+    if (!td_is_coded(image)) {
+        td_dual red =
+            td_dual_make(td_load_lanes(view + TD_V_LUMINANCE * TD_LANES), td_load_lanes(view + TD_V_LUMINANCE_DOT * TD_LANES));
+        td_dual light = td_dual_plus(td_dual_scale(red, image->luminance[0]), image->luminance[1], g);
+        light = td_dual_plus(light, image->luminance[2], b);
+        td_store_lanes(view + TD_V_LUMINANCE * TD_LANES, light.v);
+        td_store_lanes(view + TD_V_LUMINANCE_DOT * TD_LANES, light.d);
+        return;
+    }
     td_store_lanes(view + TD_V_GREEN * TD_LANES, g.v);
     td_store_lanes(view + TD_V_GREEN_DOT * TD_LANES, g.d);
     td_store_lanes(view + TD_V_BLUE * TD_LANES, b.v);
@@ -273,7 +283,7 @@ TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image,
             td_point_numbers_apart(own, curve + lanes, way + lanes, &value, &slope);
         td_point_view view = td_point_see(image, &value, &slope, td_collect(rate + lanes), eye->x, eye->y);
         td_point_store_view(&view, views + i * room);
-        if (td_is_coded(image))
+        if (td_paths_by_channels(image))
             td_point_see_beside(image, paths->beside + path / TD_PATH_LEVELS * TD_BESIDE_REALS, curve + lanes, together[level],
                                 td_collect(way + lanes), td_collect(rate + lanes), views + i * room);
     }

@@ -62,7 +62,7 @@ static void td_rows_prefetch(const td_image *image, const td_splats_to_make *of,
         __global const int *row = of->row + 2 * (of->own[i] / TD_PATH_LEVELS - of->from);
         __global const td_real *from = of->rows + (long)row[0] * TD_PATH_STRIDE, *to = of->rows + (long)row[1] * TD_PATH_STRIDE;
         td_prefetch(from), td_prefetch(from + 8), td_prefetch(to), td_prefetch(to + 8);
-        if (!td_is_coded(image)) continue;
+        if (!td_paths_by_channels(image)) continue;
         td_prefetch(of->rows_beside + (long)row[0] * TD_BESIDE_STRIDE);
         td_prefetch(of->rows_beside + (long)row[1] * TD_BESIDE_STRIDE);
     }
@@ -88,7 +88,7 @@ TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_
                 const long from = of.row[2 * at_row], to = of.row[2 * at_row + 1];
                 td_point_curve(of.rows + from * TD_PATH_STRIDE, of.rows + to * TD_PATH_STRIDE, of.lengths[at_row],
                                of.curves + (long)c * TD_CURVE_REALS);
-                if (td_is_coded(&image))
+                if (td_paths_by_channels(&image))
                     td_point_curve_beside(of.rows_beside + from * TD_BESIDE_STRIDE, of.rows_beside + to * TD_BESIDE_STRIDE,
                                           of.lengths[at_row], of.beside + (long)c * TD_BESIDE_REALS);
             }

@@ -24,7 +24,8 @@ TD_INLINE int td_point_goes_on(TD_GLOBAL const float *tests, const int *slice, i
 TD_INLINE void td_point_prefetch(const td_point_paths *paths, const td_image *image, int path, int at) {
     TD_GLOBAL const td_real *curve = paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS + at;
     td_prefetch(curve), td_prefetch(curve + 8), td_prefetch(curve + 16), td_prefetch(curve + 24);
-    if (td_is_coded(image)) td_prefetch(paths->beside + path / TD_PATH_LEVELS * TD_BESIDE_REALS + td_point_beside_at(at));
+    if (td_paths_by_channels(image))
+        td_prefetch(paths->beside + path / TD_PATH_LEVELS * TD_BESIDE_REALS + td_point_beside_at(at));
 }
 
 /* Enters what a chunk's points see of the first `taken` places of their tile's list. Returns the number of entries. Lanes

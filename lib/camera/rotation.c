@@ -6,16 +6,12 @@
 #include <math.h>
 #include <string.h>
 
-double td_dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 void td_cross3(const double a[3], const double b[3], double out[3]) {
     double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
     out[0] = x;
     out[1] = y;
     out[2] = z;
 }
-
-double td_length3(const double a[3]) { return sqrt(td_dot3(a, a)); }
 
 int td_all_finite(const double *numbers, size_t count) {
     for (size_t i = 0; i < count; i++)

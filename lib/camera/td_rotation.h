@@ -4,9 +4,11 @@
 
 #include "tides/base.h"
 
-double td_dot3(const double a[3], const double b[3]);
+#include <math.h>
+
+static inline double td_dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 void td_cross3(const double a[3], const double b[3], double out[3]);
-double td_length3(const double a[3]);
+static inline double td_length3(const double a[3]) { return sqrt(td_dot3(a, a)); }
 
 /* 1 if all `count` numbers are finite. */
 int td_all_finite(const double *numbers, size_t count);

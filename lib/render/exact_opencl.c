@@ -11,7 +11,7 @@ typedef struct opencl_exact {
     int first_rate; /* row at which rates begin */
     int objects;
     int sh_float;                                                   /* SH are floats */
-    int is_coded;                                                   /* 1: rows of green and blue follow */
+    int by_channels;                                                /* td_paths_by_channels: `beside` has rows */
     cl_kernel kernel, halve_kernel;                                 /* halve_kernel: NULL unless something moves by itself */
     td_buffer image, object, geometry, rates, sh, sh_rates, owners; /* the scene */
     td_buffer views, jobs, gaussians, places;                       /* a request */
@@ -45,9 +45,9 @@ static tides_status move(td_exact *exact, const td_moved_rows *moved, tides_erro
     return status;
 }
 
-/* Makes room for `count` rows, and for the values beside them; for an image without such values, one number. */
+/* Makes room for `count` rows, and for the values beside them; where paths aren't by channels, one number. */
 static tides_status grow_rows(opencl_exact *e, int count, tides_error *error) {
-    const size_t rows = (size_t)count, beside = e->is_coded ? rows * TD_BESIDE_STRIDE : 1;
+    const size_t rows = (size_t)count, beside = e->by_channels ? rows * TD_BESIDE_STRIDE : 1;
     const tides_status status = td_buffer_grow(e->device, &e->rows, rows * TD_PATH_STRIDE * sizeof(double), error);
     return status == TIDES_OK ? td_buffer_grow(e->device, &e->beside, beside * sizeof(double), error) : status;
 }
@@ -86,11 +86,11 @@ static tides_status halve(td_exact *exact, const td_halve_request *request, tide
     const cl_int count = request->count, level = request->level, pieces = request->pieces;
     size_t local, global = td_even_items((int)e->device->info.lanes, count, &local);
     const size_t ints = (size_t)count * sizeof(cl_int);
-    const cl_int is_coded = e->is_coded;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->rows),   TD_BUFFER_ARGUMENT(e->beside),
-                                     TD_VALUE_ARGUMENT(is_coded),   TD_BUFFER_ARGUMENT(e->from),
-                                     TD_BUFFER_ARGUMENT(e->to),     TD_VALUE_ARGUMENT(count),
-                                     TD_VALUE_ARGUMENT(level),      TD_VALUE_ARGUMENT(pieces),
+    const cl_int by_channels = e->by_channels;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->rows),    TD_BUFFER_ARGUMENT(e->beside),
+                                     TD_VALUE_ARGUMENT(by_channels), TD_BUFFER_ARGUMENT(e->from),
+                                     TD_BUFFER_ARGUMENT(e->to),      TD_VALUE_ARGUMENT(count),
+                                     TD_VALUE_ARGUMENT(level),       TD_VALUE_ARGUMENT(pieces),
                                      TD_BUFFER_ARGUMENT(e->lengths)};
     tides_status status = grow_rows(e, request->row_count, error);
     if (status == TIDES_OK) status = td_buffer_write(e->device, &e->from, request->from, ints, error);
@@ -165,7 +165,7 @@ static tides_status build(opencl_exact *e, const td_image_numbers *numbers, int 
     memset(&decisions, 0, sizeof decisions);
     memcpy((char *)&decisions + TD_IMAGE_REALS * sizeof(td_real), numbers->whole, sizeof numbers->whole);
     decisions.moving = moving;
-    e->is_coded = decisions.is_coded;
+    e->by_channels = td_paths_by_channels(&decisions);
     char *image = td_opencl_defines("path_nodes.cl", &decisions, TD_OUT_SIGNAL, error);
     char *defines = image ? td_format(error, "%s%s", image, e->sh_float ? "#define TD_BUILD_SH_FLOAT 1\n" : "") : NULL;
     free(image);

@@ -47,7 +47,7 @@ typedef struct opencl_points {
         size_t out_bytes;
     } batch;
     td_buffer entries, beside; /* beside: curves of green and blue */
-    int is_coded;
+    int is_coded, by_channels; /* by_channels: td_paths_by_channels */
 } opencl_points;
 
 static int on_gpu(const opencl_points *p) { return p->base.lanes == 1; }
@@ -135,13 +135,13 @@ static tides_status grow_curves(opencl_points *p, size_t curves, tides_error *er
     const tides_status status =
         td_buffer_grow(p->device, &p->interval.curves, (curves + 1) * CURVE_REALS * sizeof(cl_double), error);
     if (status != TIDES_OK) return status;
-    return td_buffer_grow(p->device, &p->beside, p->is_coded ? (curves + 1) * BESIDE_REALS * sizeof(cl_double) : 1, error);
+    return td_buffer_grow(p->device, &p->beside, p->by_channels ? (curves + 1) * BESIDE_REALS * sizeof(cl_double) : 1, error);
 }
 
 /* Reserves curves, of which there are none yet. If the host's memory is the device's, memory that isn't written takes no room,
  * so room for all possible curves costs nothing. Elsewhere it grows with the requests. */
 static tides_status reserve_curves(opencl_points *p, int count, tides_error *error) {
-    const size_t curves = p->device->near ? (size_t)count + 1 : 1, beside = p->is_coded ? curves * BESIDE_REALS : 1;
+    const size_t curves = p->device->near ? (size_t)count + 1 : 1, beside = p->by_channels ? curves * BESIDE_REALS : 1;
     const tides_status status =
         td_buffer_reserve(p->device, &p->interval.curves, curves * CURVE_REALS * sizeof(cl_double), error);
     return status == TIDES_OK ? td_buffer_reserve(p->device, &p->beside, beside * sizeof(cl_double), error) : status;
@@ -343,14 +343,16 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
                    {"td_point_make_splats", &p->splat_kernel},
                    {"td_point_make_lists", &p->list_kernel},
                    {"td_point_values", &p->value_kernel}};
-    /* Decisions that don't concern points are fixed to 0, so that few programs are built. */
-    char *defines = td_format(error,
-                              "#define TD_BUILD_SH_DEGREE 0\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
-                              "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"
-                              "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER "
-                              "0\n#define TD_BUILD_LENS 0\n#define TD_BUILD_CODED %d\n",
-                              image.cut_rule, TD_OUT_SIGNAL, image.soft_order, image.is_coded);
+    /* Decisions that don't concern points are fixed to 0, so that few programs are built. All degrees but 0 are one. */
+    char *defines =
+        td_format(error,
+                  "#define TD_BUILD_SH_DEGREE %d\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
+                  "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"
+                  "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER "
+                  "0\n#define TD_BUILD_LENS 0\n#define TD_BUILD_CODED %d\n",
+                  image.sh_degree > 0 && !image.is_coded, image.cut_rule, TD_OUT_SIGNAL, image.soft_order, image.is_coded);
     p->is_coded = image.is_coded;
+    p->by_channels = td_paths_by_channels(&image);
     tides_status status = defines ? TIDES_OK : TIDES_NO_MEMORY;
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels && status == TIDES_OK; i++)
         status = td_kernel_create_double(p->device, "points.cl", defines, kernels[i].name, kernels[i].kernel, error);

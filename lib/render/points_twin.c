@@ -19,7 +19,7 @@ typedef struct twin {
     td_image image;
     td_points_interval interval;
     double *rows, *curves;
-    double *rows_beside, *beside; /* green and blue of these, where light isn't linear in colours */
+    double *rows_beside, *beside; /* green and blue of these, where paths are by channels */
     int *path;                    /* (gaussians) first curve * TD_PATH_LEVELS + level; below 0: none */
     int *sights;                  /* (2 x gaussians) pixels that may see each */
     float *records;               /* (gaussians x slices x TD_TEST_REALS) tests of each */
@@ -49,10 +49,12 @@ static td_point_paths paths_of(const twin *t) {
 static tides_status take_rows(twin *t, td_exact *exact, int count, tides_error *error) {
     const size_t reals = (size_t)count * TD_PATH_STRIDE;
     tides_status status = td_reserve((void **)&t->rows, &t->rows_capacity, reals, sizeof *t->rows, error);
-    if (status == TIDES_OK && t->image.is_coded)
+    if (status == TIDES_OK && td_paths_by_channels(&t->image))
         status = td_reserve((void **)&t->rows_beside, &t->rows_beside_capacity, (size_t)count * TD_BESIDE_STRIDE,
                             sizeof *t->rows_beside, error);
-    return status == TIDES_OK ? td_exact_rows(exact, count, t->rows, t->image.is_coded ? t->rows_beside : NULL, error) : status;
+    return status == TIDES_OK
+               ? td_exact_rows(exact, count, t->rows, td_paths_by_channels(&t->image) ? t->rows_beside : NULL, error)
+               : status;
 }
 
 static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
@@ -79,7 +81,7 @@ static void make_curve(const twin *t, const td_points_group *added, int i) {
     const size_t from = (size_t)added->row[2 * i], to = (size_t)added->row[2 * i + 1];
     const double h = added->lengths[i];
     td_point_curve(t->rows + from * TD_PATH_STRIDE, t->rows + to * TD_PATH_STRIDE, h, t->curves + curve * TD_CURVE_REALS);
-    if (t->image.is_coded)
+    if (td_paths_by_channels(&t->image))
         td_point_curve_beside(t->rows_beside + from * TD_BESIDE_STRIDE, t->rows_beside + to * TD_BESIDE_STRIDE, h,
                               t->beside + curve * TD_BESIDE_REALS);
 }
@@ -116,7 +118,7 @@ static tides_status add(td_points_engine *engine, const td_points_group *added, 
     const size_t curves = (size_t)added->first + (size_t)added->curves;
     tides_status status =
         td_reserve((void **)&t->curves, &t->curve_capacity, curves * TD_CURVE_REALS, sizeof *t->curves, error);
-    if (status == TIDES_OK && t->image.is_coded)
+    if (status == TIDES_OK && td_paths_by_channels(&t->image))
         status = td_reserve((void **)&t->beside, &t->beside_capacity, curves * TD_BESIDE_REALS, sizeof *t->beside, error);
     if (status == TIDES_OK) status = take_rows(t, added->exact, added->row_count, error);
     for (int i = 0; i < added->curves && status == TIDES_OK; i++) make_curve(t, added, i);

@@ -29,9 +29,9 @@ static tides_status grow_rows_of_paths(td_real **array, size_t *capacity, size_t
     return status;
 }
 
-/* Makes room for green and blue of `rows` rows, if these are composited. */
+/* Makes room for green and blue of `rows` rows, if paths have them. */
 static tides_status grow_beside(reference *r, size_t rows, tides_error *error) {
-    if (!r->image.is_coded) return TIDES_OK;
+    if (!td_paths_by_channels(&r->image)) return TIDES_OK;
     return grow_rows_of_paths(&r->path_beside, &r->path_beside_capacity, rows * TD_BESIDE_STRIDE, error);
 }
 
@@ -65,7 +65,7 @@ static tides_status halve_paths(td_backend *backend, const td_halve_request *req
     for (int i = 0; i < request->count && status == TIDES_OK; i++) {
         const int from = request->from[i], to = request->to[i];
         td_path_halve(r->path_rows, TD_PATH_NUMBERS, from, to, request->level, request->pieces, lengths);
-        if (r->image.is_coded)
+        if (td_paths_by_channels(&r->image))
             td_path_halve(r->path_beside, TD_BESIDE_NUMBERS, from, to, request->level, request->pieces, lengths);
     }
     free(lengths);

@@ -26,9 +26,9 @@ static inline double td_solve_swap_unseen(double wide) {
 /* How far unseen light of swaps moves log_luminance, where that is S or more. */
 double td_solve_moved_by(const tides_simulator *s, double light, double S);
 
-/* How far swaps that don't show in a step's samples may move a pixel's log_luminance between these: all together, where it is S
- * or more at both ends. td_solve_widen_swapped adds it to `widen` of each of the unit's pixels. */
-double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S);
+/* The light of those of `count` swaps that don't show in the step's samples, all together. td_solve_widen_swapped adds how far
+ * it may move log_luminance between these to `widen` of each of the unit's pixels. */
+double td_solve_unseen_light(const tides_simulator *s, const td_refine_step *step, const td_swap *swap, int count);
 void td_solve_widen_swapped(const tides_simulator *s, const td_refine_step *step, const td_signals *signals, double *widen);
 
 #endif

@@ -23,6 +23,8 @@ typedef struct td_visit {
     double reference, held_until; /* with which the step begins */
     td_kept_pixel state;          /* the rest of the pixel's state at the step's beginning */
     int settles;                  /* all steps before are settled */
+    const td_swap *swap;          /* (swaps) that the pixel may see (td_solve_swaps) */
+    int swaps;
     int nodes;
     td_node node[TD_NODES_MAX];
     td_changes changes;

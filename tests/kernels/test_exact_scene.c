@@ -40,7 +40,7 @@ typedef struct asked {
     int *gaussians, *rows; /* (NODES x count) */
     td_node_job *jobs;
     td_node_request request;
-    int is_coded; /* rows have green and blue beside them */
+    int by_channels; /* rows have green and blue beside them (td_paths_by_channels) */
 } asked;
 
 static asked ask(const double *views, int first, int count, int real_count, int job_size) {
@@ -75,7 +75,7 @@ static double *rows_of(td_exact *exact, td_backend *backend, const asked *a) {
     tides_error error;
     assert_non_null(rows);
     scene_expect_ok(td_exact_nodes(exact, backend, &a->request, &error), &error);
-    scene_expect_ok(td_exact_rows(exact, a->request.row_count, rows, a->is_coded ? beside : NULL, &error), &error);
+    scene_expect_ok(td_exact_rows(exact, a->request.row_count, rows, a->by_channels ? beside : NULL, &error), &error);
     return rows;
 }
 
@@ -88,7 +88,7 @@ static void compare(const char *name, const asked *a, const double *found, const
                 fail_msg("%s: row %d, entry %d: %.17g on the device, %.17g in the reference", name, row, k, f[k], e[k]);
         used[e[TD_P_DET] > 0]++;
     }
-    if (!a->is_coded) return;
+    if (!a->by_channels) return;
     const size_t first = (size_t)a->request.row_count * TD_PATH_STRIDE, count = (size_t)a->request.row_count * TD_BESIDE_STRIDE;
     for (size_t i = first + TD_BESIDE_STRIDE; i < first + count; i++)
         if (memcmp(&found[i], &expected[i], sizeof *found) != 0 && !(isnan(found[i]) && isnan(expected[i])))
@@ -119,7 +119,7 @@ static void compare_store(const char *name, tides_device *device, const random_r
     image.whole[3] = s->sh_degree; /* width, height, objects, sh_degree (layout.h) */
     double *views = random_scene_views(&scene, node_times, NODES), *rows[KINDS];
     asked a = ask(views, 0, store.count, store.count, s->job_size);
-    a.is_coded = s->transfer != TIDES_TRANSFER_LINEAR;
+    a.by_channels = s->transfer != TIDES_TRANSFER_LINEAR || s->sh_degree > 0;
     tides_device *reference = open_device("reference"), *devices[KINDS] = {device, reference};
     tides_error error;
     for (int k = 0; k < KINDS; k++) {
@@ -192,7 +192,7 @@ static moved moved_open(tides_device *device, const moving_scene *s, const char 
     m.a = ask((const double *)m.renderer->scratch.views, m.renderer->store.count + TD_PAD,
               m.renderer->dynamic.gaussians - TD_PAD, 1 << 20, 32);
     scene_expect_ok(td_exact_create(device, &m.renderer->store, &image, &m.exact, &error), &error);
-    m.a.is_coded = coded;
+    m.a.by_channels = coded || image.whole[3] > 0;
     return m;
 }
 
@@ -263,7 +263,7 @@ static double *halved_rows(tides_device *device, const moving_scene *s, int leve
     double *rows = calloc(all * (TD_PATH_STRIDE + TD_BESIDE_STRIDE), sizeof *rows), *beside = rows + all * TD_PATH_STRIDE;
     assert_non_null(rows);
     scene_expect_ok(td_exact_halve(m.exact, &request, &error), &error);
-    scene_expect_ok(td_exact_rows(m.exact, *row_count, rows, coded ? beside : NULL, &error), &error);
+    scene_expect_ok(td_exact_rows(m.exact, *row_count, rows, m.a.by_channels ? beside : NULL, &error), &error);
     free(from);
     free(to);
     asked a = moved_close(&m);
@@ -308,7 +308,7 @@ static void test_twice_as_many_rows(void **state) {
         int rows[2], paths[2], used[2] = {0, 0};
         double *own = halved_rows(device, &s, cuts[cut].level, cuts[cut].pieces, cuts[cut].lengths, &rows[0], &paths[0]);
         double *twin = halved_rows(reference, &s, cuts[cut].level, cuts[cut].pieces, cuts[cut].lengths, &rows[1], &paths[1]);
-        const asked all = {.request = {.row_count = rows[0]}, .is_coded = coded};
+        const asked all = {.request = {.row_count = rows[0]}, .by_channels = coded || recipe.sh_degree > 0};
         assert_int_equal(rows[0], rows[1]);
         compare("rows made of rows", &all, own, twin, used);
         for (int k = 0; k < paths[0]; k++)

@@ -135,6 +135,33 @@ static void test_paths_are_as_good_as_they_say(void **state) {
     }
 }
 
+/* Paths follow colours before their clamp, linear ones too: hardly any point projects its splats at its own time, which has the
+ * same bits as asking for that. Both are the same image. */
+static void test_clamped_colours_have_paths(void **state) {
+    static td_point points[POINTS];
+    static td_point_value values[POINTS], direct[POINTS];
+    tides_error error;
+    int same = 0;
+    (void)state;
+    random_recipe recipe = recipe_of(1420);
+    recipe.count = 400;
+    recipe.spread = 1.2; /* none near the camera */
+    point_world w = open_world(&recipe, "reference", 4e-3, 1e-4);
+    td_store *store = &w.renderer->store;
+    for (int i = 0; i < store->count * store->sh_stride; i++) /* black, but for what depends on the direction */
+        store->sh[i] = i % store->sh_stride < 3 ? (float)(-0.5 / 0.28209479177387814) : 10 * store->sh[i];
+    scatter(&w, points);
+    be_exact(&w);
+    values_of(&w, points, POINTS, values);
+    scene_expect_ok(td_renderer_direct_points(w.renderer, w.scene.path, points, POINTS, direct, &error), &error);
+    for (int i = 0; i < POINTS; i++) {
+        same += memcmp(&values[i], &direct[i], sizeof *values) == 0;
+        if (!(fabs(values[i].L - direct[i].L) < 1e-6)) fail_msg("point %d is off by %.3g", i, values[i].L - direct[i].L);
+    }
+    close_world(&w);
+    if (same > POINTS / 10) fail_msg("%d of %d points are projected at their own times", same, POINTS);
+}
+
 /* L_dot is the rate of the image that L is of: central differences agree to their own error. */
 static void test_rates_are_those_of_the_values(void **state) {
     (void)state;
@@ -459,6 +486,7 @@ int main(void) {
                                        cmocka_unit_test(test_all_change_places),
                                        cmocka_unit_test(test_pixels_of_the_double_reference),
                                        cmocka_unit_test(test_paths_are_as_good_as_they_say),
+                                       cmocka_unit_test(test_clamped_colours_have_paths),
                                        cmocka_unit_test(test_rates_are_those_of_the_values),
                                        cmocka_unit_test(test_depth_ties_and_empty_tiles),
                                        cmocka_unit_test(test_images_that_jump_have_none),

@@ -186,12 +186,10 @@ static void look_at_kink(const td_visit *v, int k, const double *turn, int turns
 void td_find_swapped(td_visit *v) {
     const td_refine_step *step = &v->s->refine.step[v->looked->step];
     const td_pieces *pieces = &v->model.pieces;
-    int count;
-    const td_swap *list = td_solve_swaps(v->s, step, v->pixel->local, &count);
     memset(v->model.swapped, 0, (size_t)pieces->count * sizeof *v->model.swapped);
-    if (count == 0) return;
-    for (int i = 0; i < count; i++) {
-        const td_swap_place swap = td_solve_swap_place(v->s, step, &list[i]);
+    if (v->swaps == 0) return;
+    for (int i = 0; i < v->swaps; i++) {
+        const td_swap_place swap = td_solve_swap_place(v->s, step, &v->swap[i]);
         for (int k = 0; k < pieces->count && pieces->from[k] < swap.s + swap.wide; k++) {
             if (pieces->from[k + 1] <= swap.s - swap.wide) continue;
             const double light = swap.light * td_solve_swap_unseen(swap.wide / (pieces->from[k + 1] - pieces->from[k]));
@@ -220,17 +218,27 @@ static int is_swap_seen(const td_visit *v, const td_swap_place *swap) {
     return before && after;
 }
 
-/* 1 where a swap of depth may decide whether a level is reached. */
-static int may_swap_decide(const td_visit *v, const td_swap_place *swap) {
+/* The most by which unit light of swaps moves log_luminance anywhere in the step, with room for rounding. */
+static double most_moved(const td_visit *v) {
+    const td_pieces *pieces = &v->model.pieces;
+    double least = pieces->model[0].control[0];
+    for (int k = 0; k < pieces->count; k++)
+        for (int i = 0; i < 4; i++) least = td_lesser(least, pieces->model[k].control[i]);
+    return 1.001 * td_solve_moved_by(v->s, 1, least);
+}
+
+/* 1 where a swap of depth may decide whether a level is reached. Most levels are too far from all that a swap may do, for
+ * which no logarithm's scale is needed: scales at each place took a fifth of the time of a scene coded as sRGB. */
+static int may_swap_decide(const td_visit *v, const td_swap_place *swap, double most) {
     const td_pieces *pieces = &v->model.pieces;
     for (int side = -2; side <= 2; side++) {
         const double s = td_lesser(td_greater(swap->s + 0.25 * side * swap->wide, 0), 1);
         const int k = td_pieces_find_from(pieces, pieces->count - 1, s);
         const double u = td_pieces_place(pieces, k, s), length = pieces->from[k + 1] - pieces->from[k];
         if (length < shows_swap * swap->wide) continue;
-        const double light = swap->light * td_solve_swap_unseen(swap->wide / length);
-        const double moved = td_solve_moved_by(v->s, light, td_model_value(&pieces->model[k], u));
-        if (left_beside(v, k, u) <= moved + v->model.floor) return 1;
+        const double light = swap->light * td_solve_swap_unseen(swap->wide / length), left = left_beside(v, k, u);
+        if (left > light * most + v->model.floor) continue;
+        if (left <= td_solve_moved_by(v->s, light, td_model_value(&pieces->model[k], u)) + v->model.floor) return 1;
     }
     return 0;
 }
@@ -275,12 +283,12 @@ int td_find_approaches(const td_visit *v, td_approach *found, int most, int *gra
 /* Swaps are looked at in both halves; from then on they are known as all else is. */
 int td_find_swaps(const td_visit *v, double *places, int most) {
     const td_refine_step *step = &v->s->refine.step[v->looked->step];
-    int all, count = 0;
-    const td_swap *list = td_solve_swaps(v->s, step, v->pixel->local, &all);
-    for (int i = 0; i < all && count + 2 <= most; i++) {
-        const td_swap_place swap = td_solve_swap_place(v->s, step, &list[i]);
+    int count = 0;
+    const double most_light = v->swaps > 0 ? most_moved(v) : 0;
+    for (int i = 0; i < v->swaps && count + 2 <= most; i++) {
+        const td_swap_place swap = td_solve_swap_place(v->s, step, &v->swap[i]);
         const double begin = swap.s - 0.5 * swap.wide, end = swap.s + 0.5 * swap.wide;
-        if (end <= 0 || begin >= 1 || is_swap_seen(v, &swap) || !may_swap_decide(v, &swap)) continue;
+        if (end <= 0 || begin >= 1 || is_swap_seen(v, &swap) || !may_swap_decide(v, &swap, most_light)) continue;
         if (begin > 0) places[count++] = begin;
         if (end < 1) places[count++] = end;
     }

@@ -30,6 +30,7 @@ static void enter(td_visit *v, td_looked *looked, int32_t number) {
     v->reference = sensor->pixels.reference[v->at];
     v->held_until = sensor->on ? sensor->held_until[v->at] : -INFINITY;
     td_sensor_keep(sensor, v->at, &v->state);
+    v->swap = td_solve_swaps(v->s, &v->s->refine.step[v->looked->step], v->pixel->local, &v->swaps);
     if (v->looked->looks == 0 || v->looked->state == state_of(v)) return;
     td_solve_first_trust(v->s, &v->s->refine.step[v->looked->step], v->looked->ends.h, v->pixel->local, 1, &v->looked->trust);
     v->looked->first = -1;
@@ -42,8 +43,8 @@ static int may_act(const td_visit *v) {
     const td_ends *at = &v->looked->ends;
     const td_signals own = {&at->S0, &at->S0_dot, &at->S1, &at->S1_dot};
     if (v->looked->looks > 0) return 1;
-    const double swapped =
-        td_solve_swapped(v->s, &v->s->refine.step[v->looked->step], v->pixel->local, td_lesser(at->S0, at->S1));
+    const double light = td_solve_unseen_light(v->s, &v->s->refine.step[v->looked->step], v->swap, v->swaps);
+    const double swapped = td_solve_moved_by(v->s, light, td_lesser(at->S0, at->S1));
     const double widen =
         td_solve_first_doubt(&v->looked->trust) + td_solve_sample_error(&v->s->solve, td_lesser(at->S0, at->S1)) + swapped;
     uint8_t active = 0;

@@ -108,11 +108,8 @@ td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step
     return (td_swap_place){(swap->part * part - step->from) / length, (double)swap->wide * part / length, (double)swap->light};
 }
 
-/* The light of all swaps of a pixel's block that don't show in the step's samples. */
-static double unseen_light(const tides_simulator *s, const td_refine_step *step, int32_t local) {
-    int count;
+double td_solve_unseen_light(const tides_simulator *s, const td_refine_step *step, const td_swap *list, int count) {
     double squares = 0;
-    const td_swap *list = td_solve_swaps(s, step, local, &count);
     for (int k = 0; k < count; k++) {
         const td_swap_place swap = td_solve_swap_place(s, step, &list[k]);
         if (!(swap.s + swap.wide > 0 && swap.s - swap.wide < 1)) continue;
@@ -126,16 +123,14 @@ double td_solve_moved_by(const tides_simulator *s, double light, double S) {
     return light > 0 ? light / td_renderer_swap_scale(s->renderer, td_exp(S)) : 0;
 }
 
-double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S) {
-    return td_solve_moved_by(s, unseen_light(s, step, local), S);
-}
-
 void td_solve_widen_swapped(const tides_simulator *s, const td_refine_step *step, const td_signals *signals, double *widen) {
     double light[TD_TILE_BLOCKS];
     for (int k = 0; k < TD_TILE_BLOCKS; k++) light[k] = -1; /* not known yet */
     for (int32_t i = 0; i < s->layout.unit[step->unit].count; i++) {
         double *own = &light[block_of(s, step, i)];
-        if (*own < 0) *own = unseen_light(s, step, i);
+        int count;
+        const td_swap *list = *own < 0 ? td_solve_swaps(s, step, i, &count) : NULL;
+        if (*own < 0) *own = td_solve_unseen_light(s, step, list, count);
         widen[i] += td_solve_moved_by(s, *own, td_lesser(signals->S0[i], signals->S1[i]));
     }
 }
