@@ -312,9 +312,8 @@ tides_status bench_pairs_measure(bench *b, const bench_scene *scene, const bench
                                  tides_error *error);
 /* Sets medians and quartiles from the pairs. The caller sets cost->pixel_steps before. */
 void bench_pairs_judge(const bench_pairs *p, bench_cost *cost);
-/* bench_blocks_figure.c: blocks.png, of nanoseconds; sensors.png, of ratios. */
-tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t count, tides_error *error);
-tides_status bench_figure_ratios(const bench *b, const bench_cost *costs, size_t count, tides_error *error);
+/* bench_blocks_figure.c: NAME.png: blocks, of nanoseconds; sensors, of ratios. */
+tides_status bench_figure_costs(const bench *b, const char *name, const bench_cost *costs, size_t count, tides_error *error);
 
 /* The benchmarks: bench_accuracy.c, bench_ablation.c, bench_blocks.c and others. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);

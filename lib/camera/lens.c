@@ -29,26 +29,25 @@ static const double undone_px = 1e-6;
 
 /* -- the given numbers -------------------------------------------------------------------------------------------------- */
 
-/* A number of the camera and its allowed range. The ranges are those of the run file's keys. Within them no product of the
- * numbers overflows single precision. */
-typedef struct ranged {
-    const char *name;
-    double value, lower, upper;
-    int of_lens; /* 1: a coefficient, which only some models have */
-} ranged;
+/* The ranges are those of the run file's keys. Within them no product of the numbers overflows single precision. */
+static tides_status check_number(const char *key, double value, double lower, double upper, tides_error *error) {
+    if (value >= lower && value <= upper) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "camera.%s: %g is out of range; it must lie in [%.10g, %.10g]", key, value, lower,
+                   upper);
+}
 
-static tides_status check_numbers(const ranged *numbers, size_t count, int model, tides_error *error) {
-    for (size_t i = 0; i < count; i++) {
-        const ranged *n = &numbers[i];
-        if (!(n->value >= n->lower && n->value <= n->upper))
-            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g is out of range; it must lie in [%.10g, %.10g]", n->name,
-                           n->value, n->lower, n->upper);
-        char keys[TD_LENS_WORDS];
-        if (n->of_lens && !td_lens_has(model, n->name + strlen("camera.")) && (n->value < 0 || n->value > 0))
-            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g, but camera.lens is %s, which has %s", n->name, n->value,
-                           tides_lens_name(model), td_lens_keys(model, keys));
+static tides_status check_coefficients(tides_lens lens, tides_error *error) {
+    char keys[TD_LENS_WORDS];
+    tides_status status = TIDES_OK;
+    for (int k = 0; k < TD_COEFFICIENTS_MAX && status == TIDES_OK; k++) {
+        const char *key = td_lens_key[k];
+        const double value = *td_lens_at(&lens, k);
+        status = check_number(key, value, -1e3, 1e3, error);
+        if (status == TIDES_OK && !td_lens_has(lens.model, key) && (value < 0 || value > 0))
+            status = td_fail(error, TIDES_BAD_ARGUMENT, "camera.%s: %g, but camera.lens is %s, which has %s", key, value,
+                             tides_lens_name(lens.model), td_lens_keys(lens.model, keys));
     }
-    return TIDES_OK;
+    return status;
 }
 
 static tides_status check_camera(const tides_intrinsics *c, tides_error *error) {
@@ -57,12 +56,11 @@ static tides_status check_camera(const tides_intrinsics *c, tides_error *error) 
                        (int)c->height, MAX_PIXELS);
     if (!td_lens_model_of(c->lens.model))
         return td_fail(error, TIDES_BAD_ARGUMENT, "camera.lens: %d is none of TIDES_LENS_*", (int)c->lens.model);
-    const ranged numbers[] = {{"camera.fx", c->fx, 1e-3, 1e9, 0},      {"camera.fy", c->fy, 1e-3, 1e9, 0},
-                              {"camera.cx", c->cx, -1e6, 1e6, 0},      {"camera.cy", c->cy, -1e6, 1e6, 0},
-                              {"camera.k1", c->lens.k1, -1e3, 1e3, 1}, {"camera.k2", c->lens.k2, -1e3, 1e3, 1},
-                              {"camera.k3", c->lens.k3, -1e3, 1e3, 1}, {"camera.k4", c->lens.k4, -1e3, 1e3, 1},
-                              {"camera.p1", c->lens.p1, -1e3, 1e3, 1}, {"camera.p2", c->lens.p2, -1e3, 1e3, 1}};
-    return check_numbers(numbers, sizeof numbers / sizeof *numbers, c->lens.model, error);
+    tides_status status = check_number("fx", c->fx, 1e-3, 1e9, error);
+    if (status == TIDES_OK) status = check_number("fy", c->fy, 1e-3, 1e9, error);
+    if (status == TIDES_OK) status = check_number("cx", c->cx, -1e6, 1e6, error);
+    if (status == TIDES_OK) status = check_number("cy", c->cy, -1e6, 1e6, error);
+    return status == TIDES_OK ? check_coefficients(c->lens, error) : status;
 }
 
 /* -- along a radius ------------------------------------------------------------------------------------------------ */

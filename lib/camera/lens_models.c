@@ -4,13 +4,18 @@
 
 #include <string.h>
 
-#define AT(member) offsetof(tides_lens, member)
+const char *const td_lens_key[TD_COEFFICIENTS_MAX] = {"k1", "k2", "k3", "k4", "p1", "p2"};
+
+double *td_lens_at(tides_lens *lens, int number) {
+    double *const places[TD_COEFFICIENTS_MAX] = {&lens->k1, &lens->k2, &lens->k3, &lens->k4, &lens->p1, &lens->p2};
+    return places[number];
+}
 
 /* In the order of the TIDES_LENS_* values. */
 static const td_lens_model models[] = {
-    {"none", "plumb_bob", 0, {NULL}, {0}},
-    {"radtan", "plumb_bob", 5, {"k1", "k2", "p1", "p2", "k3"}, {AT(k1), AT(k2), AT(p1), AT(p2), AT(k3)}},
-    {"equidistant", "equidistant", 4, {"k1", "k2", "k3", "k4"}, {AT(k1), AT(k2), AT(k3), AT(k4)}},
+    {"none", "plumb_bob", 0, {NULL}},
+    {"radtan", "plumb_bob", 5, {"k1", "k2", "p1", "p2", "k3"}},
+    {"equidistant", "equidistant", 4, {"k1", "k2", "k3", "k4"}},
 };
 enum { MODELS = sizeof models / sizeof models[0] };
 
@@ -26,9 +31,11 @@ int32_t td_lens_named(const char *name) {
 
 int td_lens_list(const tides_lens *lens, double numbers[TD_COEFFICIENTS_MAX]) {
     const td_lens_model *model = td_lens_model_of(lens->model);
-    for (int i = 0; i < TD_COEFFICIENTS_MAX; i++) numbers[i] = 0;
-    for (int i = 0; model && i < model->count && i < TD_COEFFICIENTS_MAX; i++)
-        memcpy(&numbers[i], (const char *)lens + model->field[i], sizeof(double));
+    tides_lens copy = *lens;
+    memset(numbers, 0, TD_COEFFICIENTS_MAX * sizeof *numbers);
+    for (int i = 0; model && i < model->count; i++)
+        for (int k = 0; k < TD_COEFFICIENTS_MAX; k++)
+            if (strcmp(td_lens_key[k], model->key[i]) == 0) numbers[i] = *td_lens_at(&copy, k);
     return model ? model->count : 0;
 }
 

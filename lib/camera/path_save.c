@@ -2,11 +2,13 @@
  * exactly. The file is written beside its place and renamed, so that a path file is never incomplete. */
 #include "tides/camera.h"
 
+#include "camera/td_lens_models.h"
 #include "camera/td_rotation.h"
 #include "td_base.h"
 #include "td_text.h"
 
 #include <locale.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,16 +19,16 @@ static void write_vector(FILE *out, const char *key, const double *values, int c
 }
 
 static void write_camera(FILE *out, const tides_intrinsics *camera) {
-    const tides_lens *lens = &camera->lens;
+    tides_lens lens = camera->lens;
     fprintf(out, "  \"intrinsics\": {\"width\": %d, \"height\": %d, \"fx\": %s, \"fy\": %s, \"cx\": %s, \"cy\": %s",
             (int)camera->width, (int)camera->height, TD_SHORT(camera->fx), TD_SHORT(camera->fy), TD_SHORT(camera->cx),
             TD_SHORT(camera->cy));
-    if (lens->model != TIDES_LENS_NONE)
-        fprintf(out,
-                ",\n    \"lens\": {\"model\": \"%s\", \"k1\": %s, \"k2\": %s, \"k3\": %s, \"k4\": %s, \"p1\": "
-                "%s, \"p2\": %s}",
-                tides_lens_name(lens->model), TD_SHORT(lens->k1), TD_SHORT(lens->k2), TD_SHORT(lens->k3), TD_SHORT(lens->k4),
-                TD_SHORT(lens->p1), TD_SHORT(lens->p2));
+    if (lens.model != TIDES_LENS_NONE) {
+        fprintf(out, ",\n    \"lens\": {\"model\": \"%s\"", tides_lens_name(lens.model));
+        for (int k = 0; k < TD_COEFFICIENTS_MAX; k++)
+            fprintf(out, ", \"%s\": %s", td_lens_key[k], TD_SHORT(*td_lens_at(&lens, k)));
+        fputc('}', out);
+    }
     fputs("},\n", out);
 }
 
@@ -53,12 +55,12 @@ static void write_path(FILE *out, const tides_trajectory *trajectory, const tide
 
 /* Refuses intrinsics that tides_path_load would refuse. */
 static tides_status check_intrinsics(const tides_intrinsics *camera, tides_error *error) {
-    const tides_lens *lens = &camera->lens;
-    const double numbers[] = {camera->fx, camera->fy, camera->cx, camera->cy, lens->k1,
-                              lens->k2,   lens->k3,   lens->k4,   lens->p1,   lens->p2};
-    int known = tides_lens_name(lens->model) != NULL;
-    int positive = camera->width >= 1 && camera->height >= 1 && camera->fx > 0.0 && camera->fy > 0.0;
-    if (positive && known && td_all_finite(numbers, 10)) return TIDES_OK;
+    tides_lens lens = camera->lens;
+    const double numbers[] = {camera->fx, camera->fy, camera->cx, camera->cy};
+    int good = tides_lens_name(lens.model) != NULL && td_all_finite(numbers, 4);
+    good = good && camera->width >= 1 && camera->height >= 1 && camera->fx > 0.0 && camera->fy > 0.0;
+    for (int k = 0; k < TD_COEFFICIENTS_MAX; k++) good = good && isfinite(*td_lens_at(&lens, k));
+    if (good) return TIDES_OK;
     return td_fail(error, TIDES_BAD_ARGUMENT,
                    "intrinsics %dx%d, fx %g, fy %g, cx %g, cy %g: sizes and focal lengths must be above 0, all values finite; "
                    "pass "

@@ -157,8 +157,9 @@ static tides_status read_samples(td_path_reader *reader, const cJSON *list) {
 
 /* Reads a lens such as {"model": "radtan"}, and the coefficients, which are 0 if missing. */
 static tides_status read_lens(td_path_reader *reader, const cJSON *object, tides_lens *lens) {
-    static const char *const keys[] = {"k1", "k2", "k3", "k4", "p1", "p2", "model", NULL}, *where = "intrinsics.lens";
-    double *values[] = {&lens->k1, &lens->k2, &lens->k3, &lens->k4, &lens->p1, &lens->p2};
+    static const char where[] = "intrinsics.lens";
+    const char *keys[TD_COEFFICIENTS_MAX + 2] = {"model"};
+    memcpy(keys + 1, td_lens_key, sizeof td_lens_key);
     const cJSON *model = cJSON_GetObjectItemCaseSensitive(object, "model");
     tides_status status = td_json_check_keys(reader, object, where, keys);
     if (status != TIDES_OK) return status;
@@ -169,8 +170,9 @@ static tides_status read_lens(td_path_reader *reader, const cJSON *object, tides
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: %s.model: must be %s", reader->file, where,
                        td_lens_choices(choices));
     }
-    for (int k = 0; k < 6 && status == TIDES_OK; k++)
-        if (td_json_has(object, keys[k])) status = td_json_number(reader, object, where, keys[k], values[k]);
+    for (int k = 0; k < TD_COEFFICIENTS_MAX && status == TIDES_OK; k++)
+        if (td_json_has(object, td_lens_key[k]))
+            status = td_json_number(reader, object, where, td_lens_key[k], td_lens_at(lens, k));
     return status;
 }
 

@@ -1,4 +1,4 @@
-/* Internal: names of the lens models in files and keys, and the order of their coefficients. */
+/* Internal: names of the lens models in files and keys, and their coefficients. */
 #ifndef TD_LENS_MODELS_H
 #define TD_LENS_MODELS_H
 
@@ -11,8 +11,12 @@ typedef struct td_lens_model {
     const char *ros;  /* in ROS' sensor_msgs/CameraInfo */
     int count;        /* number of coefficients, in OpenCV's order */
     const char *key[TD_COEFFICIENTS_MAX];
-    size_t field[TD_COEFFICIENTS_MAX]; /* byte offset of each coefficient in tides_lens */
 } td_lens_model;
+
+/* The coefficients of all models, as keys: "k1" ... "p2". */
+extern const char *const td_lens_key[TD_COEFFICIENTS_MAX];
+/* A coefficient's place in a lens, by its number in td_lens_key. */
+double *td_lens_at(tides_lens *lens, int number);
 
 /* The row of a TIDES_LENS_* value; NULL if unknown. */
 const td_lens_model *td_lens_model_of(int32_t model);

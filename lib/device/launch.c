@@ -122,14 +122,15 @@ tides_status td_buffer_view(tides_device *device, const td_buffer *buffer, void 
 }
 
 tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,
-                       const td_argument *arguments, cl_uint count, cl_event *event, tides_error *error) {
+                       td_arguments arguments, cl_event *event, tides_error *error) {
     tides_status status = td_check_forked(error);
     if (status != TIDES_OK) return status;
-    for (cl_uint i = 0; i < count; i++) {
-        if (arguments[i].buffer)
-            TD_CL(clSetKernelArg(kernel, i, sizeof arguments[i].buffer->memory, &arguments[i].buffer->memory));
+    for (cl_uint i = 0; i < arguments.count; i++) {
+        const td_argument *argument = &arguments.of[i];
+        if (argument->buffer)
+            TD_CL(clSetKernelArg(kernel, i, sizeof argument->buffer->memory, &argument->buffer->memory));
         else
-            TD_CL(clSetKernelArg(kernel, i, arguments[i].bytes, arguments[i].value));
+            TD_CL(clSetKernelArg(kernel, i, argument->bytes, argument->value));
     }
     TD_CL(clEnqueueNDRangeKernel(device->queue, kernel, dimensions, NULL, global, local, 0, NULL, event));
 done:

@@ -57,12 +57,15 @@ typedef struct td_argument {
 #define TD_VALUE_ARGUMENT(v) \
     { NULL, &(v), sizeof(v) }
 
-/* Expands to an array of arguments and its length. */
-#define TD_ARGUMENTS(array) (array), (cl_uint)(sizeof(array) / sizeof *(array))
+typedef struct td_arguments {
+    const td_argument *of;
+    cl_uint count;
+} td_arguments;
+#define TD_ARGUMENTS(array) ((td_arguments){(array), (cl_uint)(sizeof(array) / sizeof *(array))})
 
 /* Sets the arguments of a kernel and enqueues it. `local` may be NULL. `event` (may be NULL) belongs to the caller. */
 tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,
-                       const td_argument *arguments, cl_uint count, cl_event *event, tides_error *error);
+                       td_arguments arguments, cl_event *event, tides_error *error);
 
 /* Number of work-items, and *local of a group, for `count` equal pieces of work and kernels with `lanes` lanes. On a CPU it
  * is one per thread, and they take pieces in turn; on a GPU one per piece. */

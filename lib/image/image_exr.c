@@ -195,32 +195,33 @@ static tides_status sort_channels(exr_job *job, const tides_channel *channels, t
     return TIDES_OK;
 }
 
-tides_status td_exr_write_traced(const char *path, int32_t width, int32_t height, const tides_channel *channels, int32_t count,
-                                 int32_t compression, const char *const *attributes, td_exr_trace *trace, tides_error *error) {
-    if (!path || !channels) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_exr_write: an argument is NULL");
-    exr_job job = {.path = path,
-                   .width = width,
-                   .height = height,
-                   .count = count,
-                   .compression = (exr_compression_t)compression,
-                   .attributes = attributes,
-                   .trace = trace,
-                   .error = error};
+static tides_status write_channels(exr_job *job, const tides_channel *channels, tides_error *error) {
+    if (!job->path || !channels) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_exr_write: an argument is NULL");
     char *part = NULL;
-    tides_status status = tides_file_named(path, ".exr", error);
-    if (status == TIDES_OK) status = check_size(&job, error);
-    if (status == TIDES_OK) status = sort_channels(&job, channels, error);
+    tides_status status = tides_file_named(job->path, ".exr", error);
+    job->error = error;
+    if (status == TIDES_OK) status = check_size(job, error);
+    if (status == TIDES_OK) status = sort_channels(job, channels, error);
     if (status != TIDES_OK) goto done;
-    status = td_part_name(path, 0, &part, error);
-    job.part = part;
-    if (status == TIDES_OK) status = write_part(&job);
+    status = td_part_name(job->path, 0, &part, error);
+    job->part = part;
+    if (status == TIDES_OK) status = write_part(job);
 done:
     free(part);
-    free(job.channels);
+    free(job->channels);
     return status;
+}
+
+tides_status td_exr_write_traced(const char *path, int32_t width, int32_t height, const tides_channel *channels, int32_t count,
+                                 int32_t compression, td_exr_trace *trace, tides_error *error) {
+    exr_job job = {.path = path, .width = width, .height = height, .count = count, .trace = trace};
+    job.compression = (exr_compression_t)compression;
+    return write_channels(&job, channels, error);
 }
 
 tides_status tides_exr_write(const char *path, int32_t width, int32_t height, const tides_channel *channels, int32_t count,
                              int32_t compression, const char *const *attributes, tides_error *error) {
-    return td_exr_write_traced(path, width, height, channels, count, compression, attributes, NULL, error);
+    exr_job job = {.path = path, .width = width, .height = height, .count = count, .attributes = attributes};
+    job.compression = (exr_compression_t)compression;
+    return write_channels(&job, channels, error);
 }

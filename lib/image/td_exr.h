@@ -33,8 +33,8 @@ typedef struct td_exr_trace {
     int32_t equal_chunks; /* out: number of chunks that deflated to exactly their own size */
 } td_exr_trace;
 
-/* tides_exr_write with a trace, which may be NULL. */
+/* tides_exr_write of a picture without attributes, with a trace (may be NULL). */
 tides_status td_exr_write_traced(const char *path, int32_t width, int32_t height, const tides_channel *channels, int32_t count,
-                                 int32_t compression, const char *const *attributes, td_exr_trace *trace, tides_error *error);
+                                 int32_t compression, td_exr_trace *trace, tides_error *error);
 
 #endif

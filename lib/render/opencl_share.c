@@ -68,13 +68,13 @@ static tides_status send_groups(opencl_backend *b, const td_batch *batch, tides_
     return status;
 }
 
-static tides_status launch(opencl_backend *b, cl_kernel kernel, int groups, int slots, const td_argument *arguments,
-                           cl_uint argument_count, cl_event *event, tides_error *error) {
+static tides_status launch(opencl_backend *b, cl_kernel kernel, int groups, int slots, td_arguments arguments, cl_event *event,
+                           tides_error *error) {
     const size_t lanes = (size_t)b->device->info.lanes, each = lanes > 1 ? TD_SHARE_MANY * lanes : 1; /* as in share.h */
     const size_t items = groups > 0 ? ((size_t)groups * TD_PAD + each - 1) / each : 1;
     const size_t local[2] = {td_opencl_group_size(b), 1};
     const size_t global[2] = {(items + local[0] - 1) / local[0] * local[0], (size_t)slots};
-    return td_launch(b->device, kernel, 2, global, local, arguments, argument_count, event, error);
+    return td_launch(b->device, kernel, 2, global, local, arguments, event, error);
 }
 
 static tides_status launch_records(opencl_backend *b, int colours, int groups, int slots, cl_event *event, tides_error *error) {

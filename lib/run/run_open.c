@@ -171,12 +171,10 @@ static tides_status merge_lens(const tides_run *run, const tides_path *file, tid
                        "%s: the lens of %s is no lens of TIDES, or differs from frame to frame; set camera.lens: none for a "
                        "pinhole, or %s with coefficients",
                        run->origin, td_run_file(run, "camera.file"), td_lens_choices(choices));
-    const double given[] = {merged->k1, merged->k2, merged->k3, merged->k4, merged->p1, merged->p2};
-    static const char *const names[] = {"k1", "k2", "k3", "k4", "p1", "p2"};
-    for (int i = 0; i < 6; i++)
-        if (given[i] < 0 || given[i] > 0)
+    for (int k = 0; k < TD_COEFFICIENTS_MAX; k++)
+        if (*td_lens_at(merged, k) < 0 || *td_lens_at(merged, k) > 0)
             return td_fail(error, TIDES_BAD_CONFIG, "%s: camera.%s is given without camera.lens; set that to %s", run->origin,
-                           names[i], td_lens_choices(choices));
+                           td_lens_key[k], td_lens_choices(choices));
     *merged = file->intrinsics.lens;
     return TIDES_OK;
 }

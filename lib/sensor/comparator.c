@@ -132,31 +132,31 @@ TD_WIDE static void gather_block(const tile_job *job, size_t first, size_t count
     }
 }
 
-/* Steps the filters of `count` pixels from the sensor's pixel `at` on. Returns the number of their states. */
-static int step_filters(const tile_job *job, size_t at, size_t count, const double *const control[4],
-                        double after[TD_FRONTEND_STATE][BLOCK], double *low, double *high) {
-    const td_sensor *sensor = job->pixel.sensor;
-    const double h = job->pixel.step->length_s, *S = sensor->filtered.state[0] + at;
-    if (sensor->frontend.kind == TD_FRONTEND_CIRCUIT) {
-        const double *const state[TD_FRONTEND_STATE] = {S, sensor->filtered.state[1] + at, sensor->filtered.state[2] + at,
-                                                        sensor->filtered.state[3] + at};
-        double *const to[TD_FRONTEND_STATE] = {after[0], after[1], after[2], after[3]};
-        td_circuit_step_many(&sensor->frontend, h, sensor->log_eps, count, control, state, to, low, high);
-        return TD_FRONTEND_STATE;
-    }
-    if (sensor->frontend.kind == TD_FRONTEND_INTENSITY)
-        td_frontend_step_light(&sensor->frontend, h, sensor->log_eps, count, control, S, after[0], low, high);
-    else
-        td_frontend_step_many(&sensor->frontend, h, count, control, S, after[0], low, high);
-    return 1;
-}
-
 /* The block's signals behind the filters, and the filters' states at the step's end. */
 typedef struct filtered_block {
     td_block_signals signals;
     double after[TD_FRONTEND_STATE][BLOCK];
     int states;
 } filtered_block;
+
+/* Steps the filters of `count` pixels from the sensor's pixel `at` on. */
+static void step_filters(const tile_job *job, size_t at, size_t count, double control[4][BLOCK], filtered_block *block) {
+    const td_sensor *sensor = job->pixel.sensor;
+    const td_frontend *frontend = &sensor->frontend;
+    const double h = job->pixel.step->length_s;
+    td_filter_block pixels = {.count = count, .low = block->signals.low, .high = block->signals.high};
+    block->states = frontend->kind == TD_FRONTEND_CIRCUIT ? TD_FRONTEND_STATE : 1;
+    for (int c = 0; c < 4; c++) pixels.control[c] = control[c];
+    for (int s = 0; s < block->states; s++) {
+        pixels.state[s] = sensor->filtered.state[s] + at;
+        pixels.after[s] = block->after[s];
+    }
+    switch (frontend->kind) {
+        case TD_FRONTEND_CIRCUIT: td_circuit_step_many(frontend, h, sensor->log_eps, &pixels); break;
+        case TD_FRONTEND_INTENSITY: td_frontend_step_light(frontend, h, sensor->log_eps, &pixels); break;
+        default: td_frontend_step_many(frontend, h, &pixels); break;
+    }
+}
 
 /* Bounds of S_eff over the reference behind filters. They cover rounding, so that no pixel is passed over whose response
  * reaches a level. */
@@ -166,9 +166,8 @@ static void bound_filtered(const tile_job *job, size_t first, size_t count, filt
     const double *reference = sensor->pixels.reference + at, *leak = sensor->leak + at;
     const double start = job->pixel.start, length = job->pixel.step->length_ns;
     double b[4][BLOCK], *low = block->signals.low, *high = block->signals.high;
-    const double *const control[4] = {b[0], b[1], b[2], b[3]};
     gather_block(job, first, count, b);
-    block->states = step_filters(job, at, count, control, block->after, low, high);
+    step_filters(job, at, count, b, block);
     for (size_t k = 0; k < count; k++) {
         double ramp = leak[k] * start, rise = leak[k] * length, slack = 16 * DBL_EPSILON * (ramp + rise + fabs(reference[k]));
         high[k] = high[k] + (ramp - reference[k]) + rise + slack;

@@ -227,9 +227,17 @@ static td_estimate estimate_blocks(const td_sensor *sensor, const td_estimated *
     return worst;
 }
 
-/* Does what count_pixel does, to the bit, for a tile in which every pixel counts; thresholds and leaks are the tile's. */
-static inline void look_filtered(int probed, const td_estimated *step, const double *on, const double *off, const double *leak,
-                                 double nominal, double time, int32_t first, int32_t count, lanes *restrict to) {
+/* Thresholds and leaks of a tile's pixels, the nominal threshold, and the step's start. */
+typedef struct tile_levels {
+    const double *on, *off, *leak;
+    double nominal, time;
+} tile_levels;
+
+/* Does what count_pixel does, to the bit, for a tile in which every pixel counts. */
+static inline void look_filtered(int probed, const td_estimated *step, const tile_levels *levels, int32_t first, int32_t count,
+                                 lanes *restrict to) {
+    const double *on = levels->on, *off = levels->off, *leak = levels->leak;
+    const double nominal = levels->nominal, time = levels->time;
     const double *S0 = step->signals->S0 + first, *S0_dot = step->signals->S0_dot + first;
     const double *S1 = step->signals->S1 + first, *S1_dot = step->signals->S1_dot + first;
     const double *deviation = probed ? step->deviation + first : NULL;
@@ -251,14 +259,13 @@ static inline void look_filtered(int probed, const td_estimated *step, const dou
     }
 }
 
-TD_WIDE static void look_filtered_all(const td_estimated *step, const double *on, const double *off, const double *leak,
-                                      double nominal, double time, lanes *to) {
+TD_WIDE static void look_filtered_all(const td_estimated *step, const tile_levels *levels, lanes *to) {
     for (int32_t at = 0; at < step->count; at += LANES) {
         const int32_t count = step->count - at < LANES ? step->count - at : LANES;
         if (step->deviation)
-            look_filtered(1, step, on, off, leak, nominal, time, at, count, to);
+            look_filtered(1, step, levels, at, count, to);
         else
-            look_filtered(0, step, on, off, leak, nominal, time, at, count, to);
+            look_filtered(0, step, levels, at, count, to);
     }
 }
 
@@ -266,8 +273,9 @@ static td_estimate estimate_filtered(const td_sensor *sensor, const td_estimated
     td_estimate worst = {0, 0, 0, 0, 0};
     lanes of;
     memset(&of, 0, offsetof(lanes, doubt));
-    look_filtered_all(step, sensor->threshold_on + first, sensor->threshold_off + first, sensor->leak + first,
-                      td_sensor_least_threshold(&sensor->sensor), time, &of);
+    const tile_levels levels = {sensor->threshold_on + first, sensor->threshold_off + first, sensor->leak + first,
+                                td_sensor_least_threshold(&sensor->sensor), time};
+    look_filtered_all(step, &levels, &of);
     take_lanes(&of, 1, &worst);
     return worst;
 }

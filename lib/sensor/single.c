@@ -43,10 +43,17 @@ static inline double stays(const td_signals *at, double h, int32_t i, double ram
 
 enum { BLOCK = 64 }; /* pixels handled together */
 
+/* The levels of ideal pixels: their references, and the thresholds, which all share. */
+typedef struct ideal_levels {
+    const double *reference;
+    double on, off;
+} ideal_levels;
+
 /* Marks the ideal pixels from number `first` on whose signal stays between the levels. */
 TD_WIDE static void find_still(const td_signals *signals, double h, int32_t first, int32_t count, const double *widen,
-                               const double *reference, double on, double off, double *restrict still) {
+                               const ideal_levels *levels, double *restrict still) {
     const td_signals at = *signals;
+    const double *reference = levels->reference, on = levels->on, off = levels->off;
     for (int32_t k = 0; k < count; k++) {
         const int32_t i = first + k;
         still[k] = stays(&at, h, i, 0, 0, widen[i], reference[i] - off, reference[i] + on);
@@ -56,11 +63,11 @@ TD_WIDE static void find_still(const td_signals *signals, double h, int32_t firs
 void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first, const td_signals *signals,
                     const double *widen, uint8_t *active) {
     const double *reference = sensor->pixels.reference + first, h = step->length_s;
-    const double on = sensor->sensor.threshold_on, off = sensor->sensor.threshold_off;
+    const ideal_levels levels = {reference, sensor->sensor.threshold_on, sensor->sensor.threshold_off};
     for (int32_t i = 0; i < tile->count && !sensor->on; i += BLOCK) {
         const int32_t count = tile->count - i < BLOCK ? tile->count - i : BLOCK;
         double still[BLOCK];
-        find_still(signals, h, i, count, widen, reference, on, off, still);
+        find_still(signals, h, i, count, widen, &levels, still);
         for (int32_t k = 0; k < count; k++) active[i + k] = (uint8_t)(active[i + k] | !(still[k] > 0));
     }
     if (!sensor->on) return;

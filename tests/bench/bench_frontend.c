@@ -61,13 +61,13 @@ static void bench(const char *name, const td_frontend *frontend, double rise, in
 }
 
 static void bench_many(const td_frontend *frontend, double rise) {
-    const double *const columns[4] = {control[0], control[1], control[2], control[3]};
+    const td_filter_block block = {PIXELS, {control[0], control[1], control[2], control[3]}, {S}, {after}, low, high};
     make_pixels(frontend, rise);
     double spent = 0;
     long pixels = 0;
     for (; spent < 0.3; pixels += PIXELS) {
         double begun = td_now();
-        td_frontend_step_many(frontend, H, PIXELS, columns, S, after, low, high);
+        td_frontend_step_many(frontend, H, &block);
         spent += td_now() - begun;
     }
     printf("%-22s rise %4.2f  %-8s %8.1f ns/pixel\n", "first order, many", rise, "update", 1e9 * spent / (double)pixels);

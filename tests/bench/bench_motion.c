@@ -66,12 +66,12 @@ static cl_kernel build(tides_device *device, int lanes, const char *defines, con
     return kernel;
 }
 
-static motion_time launch(tides_device *device, cl_kernel kernel, size_t global, const td_argument *arguments, cl_uint count) {
+static motion_time launch(tides_device *device, cl_kernel kernel, size_t global, td_arguments arguments) {
     tides_error error = {0};
     size_t local = 1;
     clFinish(device->queue);
     motion_time begun = motion_time_now();
-    stop_on(td_launch(device, kernel, 1, &global, &local, arguments, count, NULL, &error), &error);
+    stop_on(td_launch(device, kernel, 1, &global, &local, arguments, NULL, &error), &error);
     clFinish(device->queue);
     return motion_time_since(begun);
 }
@@ -93,7 +93,7 @@ static fma_limit fma_make(tides_device *device) {
 static void fma_measure(fma_limit *limit) {
     int rounds = FMA_ROUNDS;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(limit->out), TD_VALUE_ARGUMENT(rounds)};
-    keep_best(&limit->best, launch(limit->device, limit->kernel, FMA_ITEMS, arguments, 2));
+    keep_best(&limit->best, launch(limit->device, limit->kernel, FMA_ITEMS, TD_ARGUMENTS(arguments)));
 }
 
 /* -- the plain network --------------------------------------------------------------------------------------------- */
@@ -160,7 +160,8 @@ static void plain_measure(plain *network, int gaussians) {
                                      TD_VALUE_ARGUMENT(t),
                                      TD_BUFFER_ARGUMENT(on->geometry),
                                      TD_BUFFER_ARGUMENT(on->rates)};
-    keep_best(&network->best, launch(on->device, network->kernel, (size_t)(gaussians / network->lanes), arguments, 9));
+    keep_best(&network->best,
+              launch(on->device, network->kernel, (size_t)(gaussians / network->lanes), TD_ARGUMENTS(arguments)));
 }
 
 /* -- tables ---------------------------------------------------------------------------------------------------------- */

@@ -1,4 +1,5 @@
-/* Shared by fuzz targets: the form of a refusal, and files in a folder of their own for readers that take a path. */
+/* Shared by the fuzz targets. It checks the form of a refusal, and makes files in a temporary folder for readers that take a
+ * path. */
 #ifndef TESTS_FUZZ_H
 #define TESTS_FUZZ_H
 
@@ -15,18 +16,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { FUZZ_PATH = 512 };
 
-/* One line that belongs to the status. */
+/* Aborts unless the error has the status of the call, and a text of one line. */
 static inline void fuzz_one_line(tides_status status, const tides_error *error) {
     if (status == TIDES_OK || error->status != status || !error->text[0] || strchr(error->text, '\n')) abort();
 }
 
-/* The same, and a status that a bad file may have. */
+/* As fuzz_one_line. It aborts too if no bad file may cause the status. */
 static inline void fuzz_refusal(tides_status status, const tides_error *error) {
     if (status != TIDES_BAD_FILE && status != TIDES_UNSUPPORTED && status != TIDES_NO_MEMORY) abort();
     fuzz_one_line(status, error);
 }
 
-/* Empties a folder, with all that is under it. */
+/* Removes all files and folders in a folder. */
 static inline void fuzz_empty(const char *folder) {
     DIR *entries = opendir(folder);
     const struct dirent *entry;
@@ -41,7 +42,8 @@ static inline void fuzz_empty(const char *folder) {
     if (entries) closedir(entries);
 }
 
-/* "$TMPDIR/tides_fuzz.XXXXXX", made once, removed at the end. */
+/* The root: the folder "$TMPDIR/tides_fuzz.XXXXXX". The first call of fuzz_root makes it, and the program removes it when it
+ * exits. */
 static char fuzz_root_path[FUZZ_PATH] = "";
 
 static inline void fuzz_remove_root(void) {
@@ -57,7 +59,7 @@ static inline const char *fuzz_root(void) {
     return fuzz_root_path;
 }
 
-/* The path of a file under the root; the folders on its way are made. */
+/* Writes the path of the file `name` under the root, and makes the folders that lead there. */
 static inline const char *fuzz_path(char path[FUZZ_PATH], const char *name) {
     size_t start = strlen(fuzz_root());
     if (snprintf(path, FUZZ_PATH, "%s/%s", fuzz_root(), name) >= FUZZ_PATH) abort();
@@ -75,15 +77,15 @@ static inline void fuzz_put(const char *name, const uint8_t *data, size_t size) 
     if (!file || fwrite(data, 1, size, file) != size || fclose(file) != 0) abort();
 }
 
-/* One file of a row: which of the target's names it has, and its bytes. */
+/* One file of a row: the number of its name in the target's list, and its bytes. */
 typedef struct fuzz_part {
     uint8_t name;
     const uint8_t *data;
     size_t size;
 } fuzz_part;
 
-/* A row of files as the input: which of the names each is (a byte), its length (three bytes, low first), its bytes. Takes the
- * next from the front; 0 where there is none. */
+/* A row is an input that holds several files. Each file has the number of its name (one byte), its length (three bytes, low
+ * first) and its bytes. This function takes the first file off the row, and returns 0 if there is none. */
 static inline int fuzz_row_next(const uint8_t **data, size_t *size, fuzz_part *part) {
     if (*size <= 4) return 0;
     const uint8_t *at = *data;
@@ -94,7 +96,7 @@ static inline int fuzz_row_next(const uint8_t **data, size_t *size, fuzz_part *p
     return 1;
 }
 
-/* A row of files replaces what is under the root. */
+/* Removes all that is under the root, and writes the files of a row there. */
 static inline void fuzz_put_row(const char *const *names, size_t count, const uint8_t *data, size_t size) {
     fuzz_part part;
     fuzz_empty(fuzz_root());

@@ -101,7 +101,7 @@ static tides_status run(tides_device *device, const numbers *n, tides_error *err
     if (status == TIDES_OK) {
         const td_argument arguments[] = {TD_BUFFER_ARGUMENT(x), TD_BUFFER_ARGUMENT(y), TD_BUFFER_ARGUMENT(out),
                                          TD_VALUE_ARGUMENT(count)};
-        status = td_launch(device, kernel, 1, &items, &group, arguments, 4, NULL, error);
+        status = td_launch(device, kernel, 1, &items, &group, TD_ARGUMENTS(arguments), NULL, error);
     }
     if (status == TIDES_OK) status = td_buffer_read(device, &out, n->device, FUNCTIONS * bytes, error);
     if (kernel) clReleaseKernel(kernel);
@@ -183,7 +183,7 @@ static void test_layout(void **state) {
     if (status == TIDES_OK) status = td_buffer_write(device, &out, got, sizeof got, &error);
     if (status == TIDES_OK) {
         const td_argument arguments[] = {TD_BUFFER_ARGUMENT(out)};
-        status = td_launch(device, kernel, 1, &one, NULL, arguments, 1, NULL, &error);
+        status = td_launch(device, kernel, 1, &one, NULL, TD_ARGUMENTS(arguments), NULL, &error);
     }
     if (status == TIDES_OK) status = td_buffer_read(device, &out, got, sizeof got, &error);
     if (kernel) clReleaseKernel(kernel);

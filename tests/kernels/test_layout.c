@@ -34,7 +34,7 @@ static tides_status ask(tides_device *device, int *numbers, tides_error *error) 
     if (status == TIDES_OK) status = td_buffer_write(device, &out, numbers, NUMBERS * sizeof *numbers, error);
     if (status == TIDES_OK) {
         const td_argument arguments[] = {TD_BUFFER_ARGUMENT(out)};
-        status = td_launch(device, kernel, 1, &one, NULL, arguments, 1, NULL, error);
+        status = td_launch(device, kernel, 1, &one, NULL, TD_ARGUMENTS(arguments), NULL, error);
     }
     if (status == TIDES_OK) status = td_buffer_read(device, &out, numbers, NUMBERS * sizeof *numbers, error);
     if (kernel) clReleaseKernel(kernel);

@@ -68,7 +68,7 @@ static void run_kernel(tides_device *device, const move_job *job, kernel_run *ou
                                      TD_BUFFER_ARGUMENT(buffer[OUT + 1]),
                                      TD_BUFFER_ARGUMENT(buffer[OUT + 2]),
                                      TD_BUFFER_ARGUMENT(buffer[OUT + 3])};
-    expect_ok(td_launch(device, kernel, 1, &global, &local, arguments, 12, NULL, &error), &error);
+    expect_ok(td_launch(device, kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, &error), &error);
     for (int i = 0; i < 4; i++)
         expect_ok(td_buffer_read(device, &buffer[OUT + i], results[i], (i < 2 ? G : S) * sizeof(float), &error), &error);
     for (int i = 0; i < OUT + 4; i++) td_buffer_release(&buffer[i]);

@@ -125,7 +125,7 @@ static tides_status run(tides_device *device, cl_program program, int lanes, con
     if (status == TIDES_OK) status = td_buffer_reserve(device, &out, bytes, error);
     if (status == TIDES_OK) {
         const td_argument arguments[] = {TD_BUFFER_ARGUMENT(in), TD_BUFFER_ARGUMENT(out), TD_VALUE_ARGUMENT(count)};
-        status = td_launch(device, kernel, 1, &items, &group, arguments, 3, NULL, error);
+        status = td_launch(device, kernel, 1, &items, &group, TD_ARGUMENTS(arguments), NULL, error);
     }
     if (status == TIDES_OK) status = td_buffer_read(device, &out, n->device, bytes, error);
     clReleaseKernel(kernel);

@@ -55,10 +55,13 @@ typedef struct batch {
 } batch;
 
 static void step_many(const td_frontend *frontend, double h, size_t count, batch *b) {
-    const double *const columns[4] = {b->control[0], b->control[1], b->control[2], b->control[3]};
-    const double *const state[STATES] = {b->state[0], b->state[1], b->state[2], b->state[3]};
-    double *const after[STATES] = {b->after[0], b->after[1], b->after[2], b->after[3]};
-    td_circuit_step_many(frontend, h, LOG_EPS, count, columns, state, after, b->low, b->high);
+    const td_filter_block pixels = {count,
+                                    {b->control[0], b->control[1], b->control[2], b->control[3]},
+                                    {b->state[0], b->state[1], b->state[2], b->state[3]},
+                                    {b->after[0], b->after[1], b->after[2], b->after[3]},
+                                    b->low,
+                                    b->high};
+    td_circuit_step_many(frontend, h, LOG_EPS, &pixels);
 }
 
 static void put(batch *b, int i, double S, double y, double y_dot, double z) {

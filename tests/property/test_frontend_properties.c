@@ -327,7 +327,7 @@ static void many_pixels_are_like_one(void **state) {
     seed(7);
     enum { PIXELS = 300 };
     static double control[4][PIXELS], S[PIXELS], after[PIXELS], one[PIXELS], low[PIXELS], high[PIXELS];
-    const double *const columns[4] = {control[0], control[1], control[2], control[3]};
+    const td_filter_block pixels = {PIXELS, {control[0], control[1], control[2], control[3]}, {S}, {after}, low, high};
     for (int trial = 0; trial < 200; trial++) {
         tides_sensor sensor = random_sensor(TD_FRONTEND_CONSTANT);
         double h = any_power(1e-12, 1e6) / sensor.photoreceptor_cutoff_hz;
@@ -338,7 +338,7 @@ static void many_pixels_are_like_one(void **state) {
             for (int k = 0; k < 4; k++) control[k][i] = input.control[k];
             S[i] = i % 50 == 9 ? NAN : uniform(-6, 0);
         }
-        td_frontend_step_many(&frontend, h, PIXELS, columns, S, after, low, high);
+        td_frontend_step_many(&frontend, h, &pixels);
         for (int i = 0; i < PIXELS; i++) {
             td_model input = {{control[0][i], control[1][i], control[2][i], control[3][i]}};
             double memory[TD_FRONTEND_STATE] = {S[i], S[i], 0, S[i]};
@@ -374,7 +374,7 @@ static void many_pixels_in_the_light_are_like_one(void **state) {
     seed(9);
     enum { PIXELS = 300 };
     static double control[4][PIXELS], S[PIXELS], after[PIXELS], low[PIXELS], high[PIXELS];
-    const double *const columns[4] = {control[0], control[1], control[2], control[3]};
+    const td_filter_block pixels = {PIXELS, {control[0], control[1], control[2], control[3]}, {S}, {after}, low, high};
     int done = 0, left = 0, left_in_the_light = 0;
     for (int trial = 0; trial < 150; trial++) {
         tides_sensor sensor = random_sensor(TD_FRONTEND_INTENSITY);
@@ -385,7 +385,7 @@ static void many_pixels_in_the_light_are_like_one(void **state) {
             for (int k = 0; k < 4; k++) control[k][i] = input.control[k];
             S[i] = i % 50 == 9 ? NAN : i % 3 ? input.control[0] + uniform(-0.1, 0.1) : uniform(-6, 0);
         }
-        td_frontend_step_light(&frontend, h, LOG_EPS, PIXELS, columns, S, after, low, high);
+        td_frontend_step_light(&frontend, h, LOG_EPS, &pixels);
         for (int i = 0; i < PIXELS; i++) {
             const td_model input = {{control[0][i], control[1][i], control[2][i], control[3][i]}};
             double memory[TD_FRONTEND_STATE] = {S[i], S[i], 0, S[i]};

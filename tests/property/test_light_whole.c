@@ -42,8 +42,10 @@ typedef struct batch {
 } batch;
 
 static void step_many(const td_frontend *frontend, double h, size_t count, batch *b) {
-    const double *const columns[4] = {b->control[0], b->control[1], b->control[2], b->control[3]};
-    td_light_whole(frontend, h, LOG_EPS, count, columns, b->S, b->after, b->low, b->high);
+    const td_filter_block pixels = {count,  {b->control[0], b->control[1], b->control[2], b->control[3]},
+                                    {b->S}, {b->after},
+                                    b->low, b->high};
+    td_light_whole(frontend, h, LOG_EPS, &pixels);
 }
 
 static td_model model_of(const batch *b, int i) {

@@ -102,7 +102,7 @@ motion_time motion_device_run(motion_device *on, double tau, int side) {
                                      TD_BUFFER_ARGUMENT(on->sh),       TD_BUFFER_ARGUMENT(on->sh_rates)};
     clFinish(on->device->queue);
     motion_time begun = motion_time_now();
-    expect(td_launch(on->device, on->kernel, 1, &global, &local, arguments, 12, NULL, &error), "launch", &error);
+    expect(td_launch(on->device, on->kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, &error), "launch", &error);
     clFinish(on->device->queue);
     return motion_time_since(begun);
 }

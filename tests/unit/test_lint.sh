@@ -109,6 +109,9 @@ wide ', int c, int d, int e, int f, int g, int h'
 expect 0 '^$' wide "eight parameters"
 wide ', int c, int d, int e, int f, int g, int h, int i'
 expect 1 '^lib/lower/wide.c: td_wide has 9 parameters$' wide "nine"
+printf '/* Wide. */\nint td_wide(int (*a)(int, int), int b);\n' >"$work/include/tides/wide.h"
+expect 0 '^$' wide "nine of a public function"
+rm "$work/include/tides/wide.h"
 echo 'wide: td_wide # for a reason' >>"$work/scripts/arrows.txt"
 expect 0 '^$' wide "nine with a line of their own"
 { printf '%s\nstruct td_many {\n' "$opening"; for i in $(seq 15); do echo "    int a$i, b$i[2]; /* one, two */"; done; echo '    union { int x; float y; } both; }; '; } >"$work/lib/lower/wide.c"

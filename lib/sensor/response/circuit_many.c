@@ -314,18 +314,19 @@ static void step_class(const td_frontend *frontend, const circuit *law, double h
     }
 }
 
-static void step_block(const td_frontend *frontend, const circuit *law, double h, int count, const double *const control[4],
-                       const double *const state[STATES], double *const after[STATES], double *low, double *high) {
+static void step_block(const td_frontend *frontend, const circuit *law, double h, const td_filter_block *pixels) {
+    const double *const *control = pixels->control;
+    const int count = (int)pixels->count;
     double wanted[BLOCK], dimmest[BLOCK], fewer = 0;
     int tried[BLOCK] = {0};
     want(law, h, count, control, wanted, dimmest);
-    for (int i = 0; i < count; i++) low[i] = high[i] = NAN;
+    for (int i = 0; i < count; i++) pixels->low[i] = pixels->high[i] = NAN;
     for (int c = 0; c < CLASSES; fewer = panels_of[c++]) {
         block of;
         of.count = 0;
         for (int i = 0; i < count; i++) {
             const double b[4] = {control[0][i], control[1][i], control[2][i], control[3][i]};
-            if (wanted[i] <= panels_of[c] && !(c > 0 && wanted[i] <= fewer)) take(&of, (size_t)i, b, dimmest[i], state);
+            if (wanted[i] <= panels_of[c] && !(c > 0 && wanted[i] <= fewer)) take(&of, (size_t)i, b, dimmest[i], pixels->state);
         }
         if (of.count == 0) continue;
         step_class(frontend, law, h, panels_of[c], &of);
@@ -333,22 +334,17 @@ static void step_block(const td_frontend *frontend, const circuit *law, double h
             const int i = of.pixel[k];
             if (isnan(of.fails[k]) && tried[i]++ < retries) wanted[i] = 2 * panels_of[c];
             const double margin = TD_FRONTEND_TOLERANCE + 64 * DBL_EPSILON * (fabs(of.low[k]) + fabs(of.high[k]));
-            for (int s = 0; s < STATES; s++) after[s][i] = of.state[s][k];
-            low[i] = of.low[k] - margin + of.fails[k];
-            high[i] = of.high[k] + margin + of.fails[k];
+            for (int s = 0; s < STATES; s++) pixels->after[s][i] = of.state[s][k];
+            pixels->low[i] = of.low[k] - margin + of.fails[k];
+            pixels->high[i] = of.high[k] + margin + of.fails[k];
         }
     }
 }
 
-void td_circuit_step_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
-                          const double *const state[TD_FRONTEND_STATE], double *const after[TD_FRONTEND_STATE], double *low,
-                          double *high) {
+void td_circuit_step_many(const td_frontend *frontend, double h, double log_eps, const td_filter_block *pixels) {
     const circuit law = circuit_of(frontend, log_eps);
-    for (size_t done = 0; done < count; done += BLOCK) {
-        const double *const part[4] = {control[0] + done, control[1] + done, control[2] + done, control[3] + done};
-        const double *const begin[STATES] = {state[0] + done, state[1] + done, state[2] + done, state[3] + done};
-        double *const end[STATES] = {after[0] + done, after[1] + done, after[2] + done, after[3] + done};
-        step_block(frontend, &law, h, count - done < BLOCK ? (int)(count - done) : BLOCK, part, begin, end, low + done,
-                   high + done);
+    for (size_t done = 0; done < pixels->count; done += BLOCK) {
+        const td_filter_block part = td_filter_part(pixels, done, BLOCK);
+        step_block(frontend, &law, h, &part);
     }
 }

@@ -91,29 +91,25 @@ static void move(walk *at, int from, int to) {
     at->pixel[to] = at->pixel[from];
 }
 
-/* Results of the pixels: S at the step's end, and bounds of S over the whole step. */
-typedef struct ends {
-    double *after, *low, *high;
-} ends;
-
 /* Stores a pixel's result. Bounds are NaN if the pixel is lost or still under way. */
-static void arrive(const shared *by, const walk *at, int i, const double *S, const ends *to) {
+static void arrive(const shared *by, const walk *at, int i, const td_filter_block *to) {
     const int pixel = at->pixel[i];
-    const double size = fabs(at->low[i]) + fabs(at->high[i]) + fabs(S[pixel]), margin = by->tolerance + rounding * size;
+    const double size = fabs(at->low[i]) + fabs(at->high[i]) + fabs(to->state[0][pixel]);
+    const double margin = by->tolerance + rounding * size;
     const double solved = at->lost[i] > 0 || at->going[i] > 0 ? NAN : 0;
-    to->after[pixel] = at->S[i];
+    to->after[0][pixel] = at->S[i];
     to->low[pixel] = at->low[i] - margin + solved;
     to->high[pixel] = at->high[i] + margin + solved;
 }
 
 /* Takes out the pixels that have arrived; the others move up into their places. */
-static void take_out(const shared *by, walk *at, const double *S, int all, const ends *to) {
+static void take_out(const shared *by, walk *at, int all, const td_filter_block *to) {
     int kept = 0;
     for (int i = 0; i < at->count; i++) {
         if (at->going[i] > 0 && !all)
             move(at, i, kept++);
         else
-            arrive(by, at, i, S, to);
+            arrive(by, at, i, to);
     }
     at->count = kept;
 }
@@ -124,12 +120,13 @@ static int is_finite(const double b[4], double S) {
 
 /* Starts the walk of the pixels that td_light_whole has not solved: their bounds are NaN. A pixel whose input or S isn't finite
  * is left unsolved. */
-static void set_out(walk *at, size_t count, const double *const control[4], const double *S, const ends *to) {
+static void set_out(walk *at, const td_filter_block *to) {
+    const double *const *control = to->control, *S = to->state[0];
     at->count = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < to->count; i++) {
         const double b[4] = {control[0][i], control[1][i], control[2][i], control[3][i]};
         if (to->low[i] <= to->high[i]) continue;
-        to->after[i] = S[i];
+        to->after[0][i] = S[i];
         to->low[i] = to->high[i] = NAN;
         if (!is_finite(b, S[i])) continue;
         const int k = at->count++;
@@ -142,18 +139,16 @@ static void set_out(walk *at, size_t count, const double *const control[4], cons
     }
 }
 
-void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
-                            const double *S, double *after, double *low, double *high) {
+void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, const td_filter_block *pixels) {
     const shared by = {{log_eps, frontend->light, frontend->dark}, td_ln(log_eps), frontend->rate * h, frontend->tolerance};
-    td_light_whole(frontend, h, log_eps, count, control, S, after, low, high);
-    for (size_t done = 0; done < count; done += TOGETHER) {
-        const double *const part[4] = {control[0] + done, control[1] + done, control[2] + done, control[3] + done};
-        const ends to = {after + done, low + done, high + done};
+    td_light_whole(frontend, h, log_eps, pixels);
+    for (size_t done = 0; done < pixels->count; done += TOGETHER) {
+        const td_filter_block part = td_filter_part(pixels, done, TOGETHER);
         walk at;
-        set_out(&at, count - done < TOGETHER ? count - done : TOGETHER, part, S + done, &to);
+        set_out(&at, &part);
         for (int round = 1; at.count > 0; round++) {
             go_on(&by, &at);
-            take_out(&by, &at, S + done, round == ROUNDS, &to);
+            take_out(&by, &at, round == ROUNDS, &part);
         }
     }
 }

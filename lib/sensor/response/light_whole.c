@@ -165,31 +165,30 @@ TD_WIDE static void finish(const light_pole *given, int count, const light_block
     }
 }
 
-static void step_block(light_pole *p, int panels, int count, const double *const control[4], double *S, double *low,
-                       double *high) {
+static void step_block(light_pole *p, int panels, const td_filter_block *pixels) {
+    const int count = (int)pixels->count;
     light_block at;
     for (int k = 0; k < panels; k++) {
         p->middle = (2 * k + 1) * p->half - 1;
-        take_input(p, count, control, &at);
+        take_input(p, count, pixels->control, &at);
         take_series(p, count, &at);
         for (int i = 0; i < NODES; i++) add_nodes(node[i], weight[i], count, &at);
-        finish(p, count, &at, S, low, high);
+        finish(p, count, &at, pixels->after[0], pixels->low, pixels->high);
     }
 }
 
-void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
-                    const double *S, double *after, double *low, double *high) {
+void td_light_whole(const td_frontend *frontend, double h, double log_eps, const td_filter_block *pixels) {
     const double full = frontend->rate * h, most = PANELS_MAX;
     const int panels = (int)td_lesser(ceil(td_greater(full / longest, 1)), most);
     light_pole p = {0.5 * full / panels, frontend->light, frontend->dark - frontend->light * log_eps, td_ln(log_eps), 0,
                     1.0 / panels};
-    for (size_t i = 0; i < count; i++) {
-        after[i] = S[i];
-        low[i] = INFINITY;
-        high[i] = -INFINITY;
+    for (size_t i = 0; i < pixels->count; i++) {
+        pixels->after[0][i] = pixels->state[0][i];
+        pixels->low[i] = INFINITY;
+        pixels->high[i] = -INFINITY;
     }
-    for (size_t done = 0; done < count; done += BLOCK) {
-        const double *const part[4] = {control[0] + done, control[1] + done, control[2] + done, control[3] + done};
-        step_block(&p, panels, count - done < BLOCK ? (int)(count - done) : BLOCK, part, after + done, low + done, high + done);
+    for (size_t done = 0; done < pixels->count; done += BLOCK) {
+        const td_filter_block part = td_filter_part(pixels, done, BLOCK);
+        step_block(&p, panels, &part);
     }
 }

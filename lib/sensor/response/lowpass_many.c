@@ -48,14 +48,13 @@ static inline void step(int slow, const real_pole *pole, size_t count, const dou
     }
 }
 
-void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
-                           double *after, double *low, double *high) {
+void td_frontend_step_many(const td_frontend *frontend, double h, const td_filter_block *of) {
     const double rate = frontend->rate * h;
     const int slow = !(rate > 1); /* as td_poles_respond has it */
     const td_mode mode = {rate, 0, 1, 0, slow};
     const real_pole pole = {rate, 1 / rate, td_mode_value(&mode, 1), slow ? rate : 1};
     if (slow)
-        step(1, &pole, count, control, S, after, low, high);
+        step(1, &pole, of->count, of->control, of->state[0], of->after[0], of->low, of->high);
     else
-        step(0, &pole, count, control, S, after, low, high);
+        step(0, &pole, of->count, of->control, of->state[0], of->after[0], of->low, of->high);
 }

@@ -68,29 +68,45 @@ struct td_kept_substeps;
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_response *response, struct td_kept_substeps *kept);
 
-/* Steps of many pixels without their responses, in a loop that vectorises; for TD_FRONTEND_CONSTANT only. For pixel i,
- * control[k][i] are the input's control values, and S[i] its state[0]. after[i] becomes that of td_frontend_step, to the bit.
- * `low` and `high` get bounds of the response, rounding included: pixels that could reach a level need td_frontend_step, from
- * S[i]. For an input that isn't finite they are NaN. */
-void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
-                           double *after, double *low, double *high);
+/* Pixels whose filters are stepped together. For pixel i, control[k][i] are the input's control values, and state[s][i] is its
+ * state. Results: its state at the step's end in after[s][i], and bounds of the response, rounding included, in low[i] and
+ * high[i]. Filters of one state use state[0] and after[0]. */
+typedef struct td_filter_block {
+    size_t count;
+    const double *control[4], *state[TD_FRONTEND_STATE];
+    double *after[TD_FRONTEND_STATE], *low, *high;
+} td_filter_block;
 
-/* td_frontend_step_many for TD_FRONTEND_INTENSITY alone. after[i] is within TD_FRONTEND_TOLERANCE of the solution, however many
+/* At most `most` of the pixels, from number `first` on. */
+static inline td_filter_block td_filter_part(const td_filter_block *all, size_t first, size_t most) {
+    td_filter_block part = *all;
+    part.count = all->count - first < most ? all->count - first : most;
+    for (int k = 0; k < 4; k++) part.control[k] += first;
+    for (int s = 0; s < TD_FRONTEND_STATE; s++) {
+        if (part.state[s]) part.state[s] += first;
+        if (part.after[s]) part.after[s] += first;
+    }
+    part.low += first;
+    part.high += first;
+    return part;
+}
+
+/* Steps of many pixels without their responses, in a loop that vectorises; for TD_FRONTEND_CONSTANT only. States become those
+ * of td_frontend_step, to the bit. Pixels whose bounds could reach a level need td_frontend_step, from their old state. For an
+ * input that isn't finite the bounds are NaN. */
+void td_frontend_step_many(const td_frontend *frontend, double h, const td_filter_block *of);
+
+/* td_frontend_step_many for TD_FRONTEND_INTENSITY alone. States are within TD_FRONTEND_TOLERANCE of the solution, however many
  * steps there were. Pixels whose step isn't solved have NaN as bounds, and nothing of use in `after`: they need
  * td_frontend_step, too. A pixel's result depends on no other pixel. */
-void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
-                            const double *S, double *after, double *low, double *high);
+void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, const td_filter_block *pixels);
 
 /* td_frontend_step_light for pixels that are solved without substeps, with a proven bound on the error. The others have NaN as
  * bounds. */
-void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
-                    const double *S, double *after, double *low, double *high);
+void td_light_whole(const td_frontend *frontend, double h, double log_eps, const td_filter_block *pixels);
 
-/* For TD_FRONTEND_CIRCUIT only: state[k][i] of pixel i becomes after[k][i], within a tenth of the input's error that
- * td_frontend_step may leave, proven. Bounds of S on the step are in `low` and `high`. Pixels without an answer have NaN there
- * and need td_frontend_step. A pixel's result depends on no other pixel. */
-void td_circuit_step_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
-                          const double *const state[TD_FRONTEND_STATE], double *const after[TD_FRONTEND_STATE], double *low,
-                          double *high);
+/* For TD_FRONTEND_CIRCUIT only: states within a tenth of the input's error that td_frontend_step may leave, proven. Pixels
+ * without an answer have NaN as bounds and need td_frontend_step. A pixel's result depends on no other pixel. */
+void td_circuit_step_many(const td_frontend *frontend, double h, double log_eps, const td_filter_block *pixels);
 
 #endif

@@ -1,4 +1,5 @@
-/* Makes rows from the times of frames: medians over rounds, rates, ratios round by round; and the targets about frames. */
+/* Makes rows from the times of frames: medians over rounds, rates, and ratios of each round. It makes the targets for frames
+ * too. */
 #include "bench_targets.h"
 #include "bench_throughput.h"
 
@@ -8,7 +9,7 @@
 
 /* -- ratios --------------------------------------------------------------------------------------------------------------- */
 
-/* Median and quartiles of a over b, round by round. */
+/* The ratio of a to b is taken in each round; results are its median and quartiles. */
 static void ratio_of(const double *a, const double *b, int32_t rounds, double *low, double *median, double *high) {
     double ratio[FRAME_ROUNDS];
     for (int32_t i = 0; i < rounds; i++) ratio[i] = a[i] / b[i];
@@ -28,11 +29,11 @@ static double median_of(const double *values, int32_t rounds) {
     return median;
 }
 
-/* -- what a stage did ----------------------------------------------------------------------------------------------------- */
+/* -- the work of a stage ----------------------------------------------------------------------------------------------- */
 
 enum { GAUSSIAN = 64, RECORD = 64, KEY = 8, BOX = 16 }; /* bytes */
 
-/* Of one frame: what is counted, and the bytes that must be read and written for it, each once. */
+/* The work of a stage in one frame: its number of items, and the bytes that it must read and write at least. */
 static void count_renderer(const bench_scene *scene, const frame_times *t, int32_t maker, frame_stage stage, bench_stage *row) {
     const tides_render_stats *d = &t->done[maker];
     const double frames = (double)t->frames, projected = (double)d->gaussians_projected / frames;
@@ -122,7 +123,7 @@ static const frame_aim aims[] = {
     {"frame with L_dot over one without, smooth", SMOOTH, SMOOTH + 1, STAGE_FRAME, 1.35},
 };
 enum { AIMS = sizeof aims / sizeof aims[0] };
-#define LARGE_SCENE 400000     /* Gaussians: has bounds of its own, */
+#define LARGE_SCENE 400000     /* a scene of so many Gaussians has the following bounds */
 #define NS_PER_PROJECTION 60.0 /* [ns] of a (Gaussian, tile) pair */
 #define NS_PER_PAIR 0.6        /* [ns] */
 
@@ -140,7 +141,7 @@ static tides_status add_costs(bench_stages *stages, const bench_scene *scene, co
     return status == TIDES_OK ? bench_add_target(stages->targets, &target, error) : status;
 }
 
-/* The processor time that both took is told too: on a busy machine it says more. */
+/* The note has the processor time of both: other load hardly affects it. */
 static tides_status add_targets(bench_stages *stages, const bench_scene *scene, const frame_times *t, tides_error *error) {
     char subject[128], note[64];
     tides_status status = TIDES_OK;

@@ -1,12 +1,12 @@
-/* Times frames. The renderer times its stages itself; the rest of a frame's time is `other`. Makers take turns within each
- * round, so that other load affects all of them, and results are medians over rounds, of ratios too. */
+/* Times frames. The renderer times its own stages; the rest of a frame's time is `other`. The makers take turns within each
+ * round, so that other load affects all of them alike. Results are medians over the rounds, and so are ratios. */
 #include "bench_frames.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A round has so many frames of each maker, or fewer where they take so long [s]. */
+/* Most frames of a maker in a round. The number is less if that many of the slowest maker take longer than ROUND_S [s]. */
 enum { FRAMES_MOST = 8 };
 #define ROUND_S 0.1
 
@@ -20,11 +20,11 @@ const char *frame_maker_name(int32_t maker) {
     return names[maker];
 }
 
-/* -- what is at work ------------------------------------------------------------------------------------------------------ */
+/* -- the makers -------------------------------------------------------------------------------------------------------- */
 
 typedef struct workshop {
     const bench_scene *scene;
-    tides_renderer *renderers[MAKERS]; /* one of its own for each: stages are told apart by their counts */
+    tides_renderer *renderers[MAKERS]; /* one for each maker, since a renderer counts its own stages */
     bench_limit limit;
     double *L, *L_dot;
     size_t pixels;
@@ -57,7 +57,7 @@ static void close_workshop(workshop *w) {
 
 /* -- a maker's frames of a round ------------------------------------------------------------------------------------------ */
 
-/* Rounds are spread over the scene's time, and a round's frames over half of what is between two. */
+/* The rounds are spread over the scene's time. The frames of a round cover half of the time to the next round. */
 static double time_of(const workshop *w, int32_t round, int32_t i) {
     const double share = (round + 0.5 * i / FRAMES_MOST) / FRAME_ROUNDS;
     return w->scene->start + share * (w->scene->stop - w->scene->start);
@@ -84,7 +84,7 @@ static tides_status renderer_frames(workshop *w, int32_t maker, int32_t round, i
     tides_frame frame = {{NULL}};
     tides_render_stats before, *after = &times->done[maker];
     tides_status status = TIDES_OK;
-    if (maker & 1) { /* what is asked for without a rate: a plane of log-luminance comes from the kernel with rates */
+    if (maker & 1) { /* luminance alone: a plane of log-luminance would come from the kernel with rates */
         frame.plane[TIDES_Y] = w->L;
     } else {
         frame.plane[TIDES_L] = w->L;
@@ -117,9 +117,9 @@ static tides_status make_frames(workshop *w, int32_t maker, int32_t round, int32
     return status;
 }
 
-/* -- all of it ------------------------------------------------------------------------------------------------------------ */
+/* -- the measurement --------------------------------------------------------------------------------------------------- */
 
-/* The limit makes the image that it is the limit of. */
+/* How far the limit's image is from that of inria, which it renders. */
 static void compare_images(const workshop *w, frame_times *times) {
     double apart = 0, rate_apart = 0, rate = 0;
     for (size_t i = 0; i < w->pixels; i++) {
@@ -131,7 +131,7 @@ static void compare_images(const workshop *w, frame_times *times) {
     times->L_dot_apart = rate > 0 ? rate_apart / rate : 0;
 }
 
-/* The first frames build kernels and fill caches: they count for how many make a round, and for the image. */
+/* The first frames build kernels and fill caches. They tell how many frames make a round, and how far images differ. */
 static tides_status warm_up(workshop *w, frame_times *times, int32_t *frames, tides_error *error) {
     static const int32_t order[] = {LIMIT, INRIA, LIMIT + 1, INRIA + 1, GSPLAT, GSPLAT + 1, SMOOTH, SMOOTH + 1};
     double s[STAGES] = {0}, slowest = 0;
@@ -159,7 +159,7 @@ static tides_status take_turns(bench *b, workshop *w, frame_times *times, int32_
             if (cli_progress_step(&b->progress, 0, "frames")) return cli_error(error, TIDES_CANCELLED, "stopped on request");
         }
     times->frames = (int64_t)times->rounds * frames;
-    for (int32_t maker = INRIA; maker < MAKERS; maker++) { /* of these frames alone */
+    for (int32_t maker = INRIA; maker < MAKERS; maker++) { /* the statistics of these frames alone */
         tides_render_stats *d = &times->done[maker];
         d->tile_jobs -= before[maker].tile_jobs;
         d->blocks -= before[maker].blocks;

@@ -23,8 +23,8 @@
 
 typedef struct variant {
     const char *name;
-    tides_smoothing smoothing; /* 0: as by default, -1: off */
-    int32_t quick, none;       /* with --quick too; all measures off but those set */
+    tides_smoothing smoothing; /* 0: the default, -1: off */
+    int32_t quick, none;       /* quick 1: measured with --quick too; none 1: only the measures that are set are on */
 } variant;
 
 enum { OFF = -1, ON = 1 };
@@ -40,7 +40,7 @@ static const variant variants[] = {
     {.name = "only_soft_order", .smoothing.soft_depth = 1e-4, .none = 1},
     {.name = "taper_0.03_to_1", .smoothing.taper_begin = 0.03 * CUT},
     {.name = "taper_0.3_to_1", .smoothing.taper_begin = 0.3 * CUT},
-    {.name = "taper_0.1_to_1.9", .smoothing.taper_end = 1.9 * CUT}, /* as much light as the cut at 1 */
+    {.name = "taper_0.1_to_1.9", .smoothing.taper_end = 1.9 * CUT}, /* passes as much light as the cut at 1 */
     {.name = "taper_0.1_to_2", .smoothing.taper_end = 2 * CUT},
     {.name = "taper_1_to_2", .smoothing = {.taper_begin = CUT, .taper_end = 2 * CUT}},
     {.name = "delta_1e-5", .smoothing.soft_depth = 1e-5},
@@ -58,7 +58,7 @@ static void choose(double *value, double wanted, double off, int32_t none) {
     if (wanted > 0) *value = wanted;
 }
 
-/* inria's own rules where there is no measure at all: its limits of the Jacobian differ off centre. */
+/* An image without any measure gets the rules of inria, whose limits of the Jacobian differ off the centre. */
 static tides_image_params image_of(const variant *v, const tides_image_params *base) {
     tides_image_params image = *base;
     tides_smoothing *s = &image.smoothing;
@@ -72,13 +72,13 @@ static tides_image_params image_of(const variant *v, const tides_image_params *b
     return image;
 }
 
-/* What is known of an image in a scene. */
+/* Results of an image in a scene. */
 typedef struct image_facts {
     char scene[64];
     const char *name;
     bench_jumps jumps;
     double frame_s;           /* run time of a frame */
-    size_t equal, controlled; /* rows */
+    size_t equal, controlled; /* numbers of rows */
 } image_facts;
 
 typedef struct job {
@@ -106,7 +106,7 @@ static tides_status measure(bench *b, const bench_scene *scene, int32_t mode, be
     return bench_measure(b, scene, TIDES_RULES_SMOOTH, &scene->sensor, &stepping, row, error);
 }
 
-/* Both runs of an image; the first time with their exact stream. */
+/* Makes both runs of an image. The first call makes their exact stream too. */
 static tides_status measure_image(bench *b, bench_scene *scene, job *j, image_facts *facts, int32_t again, tides_error *error) {
     static const int32_t modes[] = {TIDES_STEPPING_FIXED, TIDES_STEPPING_ERROR};
     tides_status status = TIDES_OK;
@@ -123,7 +123,7 @@ static tides_status measure_image(bench *b, bench_scene *scene, job *j, image_fa
     return status;
 }
 
-/* The variants' frames side by side, into the facts from the first on. */
+/* Times frames of the variants in turns, and writes the results into their facts. */
 static tides_status measure_costs(bench *b, const bench_scene *scene, const tides_image_params *base, image_facts *facts,
                                   tides_error *error) {
     tides_image_params images[VARIANTS];

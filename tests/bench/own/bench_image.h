@@ -4,13 +4,13 @@
 
 #include "bench.h"
 
-/* bench_jumps.c: an image beside others, apart from events. */
+/* bench_jumps.c: measures of an image that need no events. */
 typedef struct bench_jumps {
-    double per_pixel_s; /* jumps of L above 0.001 [1/s per pixel] */
-    double sum_per_s;   /* their sizes, added up [log units/s per pixel] */
-    double largest;     /* [log units] */
-    double psnr;        /* of the colours against inria's, peak 1 [dB] */
-    double furthest;    /* largest difference of a colour channel from inria's, */
+    double per_pixel_s; /* number of jumps of L above 0.001 [1/s per pixel] */
+    double sum_per_s;   /* sum of their sizes [log units/s per pixel] */
+    double largest;     /* size of the largest jump [log units] */
+    double psnr;        /* of the colours against those of inria, with a peak of 1 [dB] */
+    double furthest;    /* largest difference of a colour channel from that of inria, */
     int32_t x, y;       /* in this pixel, */
     double time;        /* at this time [s] */
 } bench_jumps;

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Neighbouring samples lie this far apart. Between them an image without jumps moves as the trapezoid of its rates says, to far
- * better than LEAST_JUMP; what is beyond that has jumped, or as good as jumped. */
+/* Distance of neighbouring samples. Between two samples an image without jumps follows the trapezoid of its rates, with an
+ * error far below LEAST_JUMP. A larger difference is a jump, or a change too fast to tell from one. */
 #define SAMPLE_S (1.0 / 64000)
 #define LEAST_JUMP 1e-3 /* [log units]: half a percent of a threshold of 0.2 */
 
@@ -72,7 +72,7 @@ static tides_status scan(bench *b, const bench_scene *scene, tides_renderer *ren
     return status;
 }
 
-/* Adds the squares of the differences of two images at a time, and notes the largest. */
+/* Adds the squares of the differences of two images at one time, and keeps the largest difference. */
 static double compare(const planes *p, int32_t width, double time, bench_jumps *jumps) {
     double squares = 0;
     for (size_t i = 0; i < p->count; i++)
@@ -134,7 +134,7 @@ tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_i
     for (size_t i = 0; i < count && status == TIDES_OK; i++)
         if (!(renderers[i] = make_renderer(b, scene, &images[i], error))) status = error->status;
     const tides_frame frame = {.plane = {[TIDES_L] = p.at[0], [TIDES_L_DOT] = p.at[1]}};
-    for (int32_t round = -1; round < rounds; round++) /* the first warms up */
+    for (int32_t round = -1; round < rounds; round++) /* the first round warms up */
         for (size_t i = 0; i < count && status == TIDES_OK; i++) {
             const double began = cli_now();
             status = tides_renderer_frame(renderers[i], scene->camera, scene->start, &frame, error);

@@ -1,5 +1,5 @@
-/* Opens the limit, a shared object beside the tool that renders in plain C, and converts scenes for it: Gaussians unchanged,
- * and for each object the map to the camera with its rate. */
+/* Opens the limit, and converts scenes for it. The limit is a shared object beside the tool, which renders in plain C. It gets
+ * the Gaussians unchanged, and for each object the map to the camera with its rate. */
 #include "bench_limit.h"
 
 #include <dlfcn.h>
@@ -9,7 +9,7 @@
 
 /* -- the object ----------------------------------------------------------------------------------------------------------- */
 
-/* Made with -march=native on a machine with AVX-512 (Makefile): runs on those that have as much. */
+/* The Makefile builds the limit with -march=native on a machine with AVX-512. It runs on machines that have AVX-512, too. */
 static int32_t runs_here(const limit_functions *f) {
 #if defined(__GNUC__) && defined(__x86_64__)
     return f->size == sizeof *f && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
@@ -34,7 +34,7 @@ static int32_t open_object(bench_limit *l) {
 
 /* -- scenes --------------------------------------------------------------------------------------------------------------- */
 
-/* c = a^T b, or with + where `more`. */
+/* c = a^T b; with `more`, c += a^T b. */
 static void multiply(const double a[9], const double b[9], double factor, int32_t more, double c[9]) {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {

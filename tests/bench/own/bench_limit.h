@@ -11,7 +11,7 @@ typedef struct bench_limit {
     void *object; /* the open shared object; NULL: not found */
     const limit_functions *functions;
     limit *limit;      /* the renderer; NULL: it can't be used, and `why` has the reason */
-    limit_view *views; /* one per object of the scene: the map to the camera, and its rate */
+    limit_view *views; /* for each object of the scene: the map to the camera, and its rate */
     float *L, *L_dot;  /* (pixels) of the last frame */
     size_t pixels;
     char why[256];

@@ -5,11 +5,11 @@
 #include <string.h>
 
 enum { RUNS = 3 };
-#define RUN_S 0.02    /* [s] of a scene in a camera's orbit, or as long as it lasts */
-#define TOLERANCE 0.1 /* of steps, which only have to find the crossings */
+#define RUN_S 0.02    /* length of the run [s], or the scene's if that is less */
+#define TOLERANCE 0.1 /* of the steps [thresholds]; steps need only find the crossings */
 static const char part_of_run[] = "time_s.";
 
-/* What a part worked on. */
+/* The items that a part of a run worked on. */
 static void count_part(const tides_stats *s, const char *part, bench_stage *row) {
     const tides_render_stats *r = &s->render;
     const double pairs = (double)r->pairs_evaluated;
@@ -68,7 +68,7 @@ tides_status bench_run_rows(bench *b, bench_stages *stages, const bench_scene *g
     bench_choose_parts(&stepping, BENCH_TOGETHER);
     scene.stop = fmin(scene.stop, scene.start + (b->quick ? 0.1 * RUN_S : RUN_S));
     tides_status status = TIDES_OK;
-    for (int32_t i = -1; i < runs && status == TIDES_OK; i++) { /* the first builds kernels */
+    for (int32_t i = -1; i < runs && status == TIDES_OK; i++) { /* the first run builds kernels */
         tides_error reason = {TIDES_OK, ""};
         bench_row row = {.runs = 0};
         status = bench_simulate(b, &scene, TIDES_RULES_SMOOTH, &scene.sensor, &stepping, NULL, &row, &reason);

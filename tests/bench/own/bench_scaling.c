@@ -10,8 +10,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define LIMIT_S 900.0 /* a point may take so long */
-enum { STARTS = 4 };  /* of a start with cached kernels, which the first one may have to cache: the least counts */
+#define LIMIT_S 900.0 /* longest time of a point [s] */
+enum { STARTS = 4 };  /* starts with cached kernels; the first may have to fill the cache, and the least time counts */
 
 /* -- fits ----------------------------------------------------------------------------------------------------------------- */
 
@@ -35,7 +35,7 @@ static void fit(scaling_line *line) {
 
 /* -- points --------------------------------------------------------------------------------------------------------------- */
 
-/* What a child does. */
+/* The work of a child process. */
 typedef struct errand {
     bench *b;
     const scaling_axis *axis;
@@ -95,7 +95,7 @@ static const scaling_line *find_line(const scaling_line *lines, size_t count, co
     return NULL;
 }
 
-/* NULL where there is no such point. */
+/* Returns NULL if there is no such point. */
 static const scaling_result *find_point(const scaling_line *line, double x) {
     for (int32_t i = 0; line && i < line->count; i++)
         if (line->points[i].x == x) return &line->points[i];
@@ -109,7 +109,7 @@ static double quantity(const scaling_result *r, int32_t what) {
     return what == OF_PROCESSOR ? r->processor_s : r->time_s;
 }
 
-/* A point over another one. */
+/* A target for the ratio of two points. */
 typedef struct share_aim {
     const char *name, *axis, *subject, *unit;
     double of, over, bound;
@@ -123,7 +123,7 @@ static const share_aim share_aims[] = {
     {"two threads against one", "threads", "random run, wall time", "times", 1, 2, 1.8, OF_WALL, 1},
 };
 
-/* What two threads are worth by processors' time, which a busy machine doesn't blur: host and device wait for each other. */
+/* The gain of a second thread, from processor time, which other load hardly affects. Host and device wait for each other. */
 static const char *host_note(const scaling_result *one, char *note, size_t size) {
     const double device = one->processor_s - one->host_s;
     snprintf(note, size, "(%.3g by processors' time: of %.3g s %.3g are the host's)",
@@ -151,7 +151,7 @@ static tides_status add_shares(cJSON *targets, const scaling_line *lines, size_t
     return status;
 }
 
-/* On a busy machine it says more. */
+/* Other load hardly affects this number. */
 static const char *processor_note(const scaling_result *r, char *note, size_t size) {
     snprintf(note, size, "(%.3g s of processors)", r->processor_s);
     return note;
@@ -259,7 +259,7 @@ static tides_status write_results(bench *b, const scaling_line *lines, size_t co
     return status;
 }
 
-/* What the device is, for the header. */
+/* Adds the device to the header. */
 typedef struct described {
     tides_device_info info;
     tides_error error;
@@ -274,7 +274,7 @@ static void describe_device(void *user, void *result) {
     tides_device_close(device);
 }
 
-/* Asked in a process of its own too: whoever comes next may start others. */
+/* A child process asks for the device, too, because a process that opened a device can't start children that open one. */
 static tides_status ask_device(bench *b, tides_error *error) {
     described d;
     bench_ending ending;

@@ -35,9 +35,9 @@ const scaling_axis *scaling_axes(size_t *count);
 typedef struct scaling_result {
     double x;
     double time_s, processor_s; /* of a frame, or of the run without kernel builds: the least of some */
-    double host_s;              /* the part of processor_s in the calling thread, which more threads don't divide */
+    double host_s;              /* part of processor_s that the calling thread used; more threads don't divide it */
     int32_t runs, failed;
-    tides_stats stats; /* of the last run; or projected Gaussians and pairs of the last frame */
+    tides_stats stats; /* of the last run; of frames, only the last one's projected Gaussians and pairs */
     uint64_t peak_bytes;
     char said[256]; /* the reason for a failure */
 } scaling_result;

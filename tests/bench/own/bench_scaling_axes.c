@@ -4,13 +4,13 @@
 
 #include <math.h>
 
-#define RUN_S 0.02         /* how long runs are */
-#define ORBIT_RAD_S 1.5    /* [rad/s] of a camera that moves */
-enum { STANDARD = 20000 }; /* Gaussians, where their number isn't what grows */
+#define RUN_S 0.02         /* length of the runs [s] */
+#define ORBIT_RAD_S 1.5    /* of a moving camera [rad/s] */
+enum { STANDARD = 20000 }; /* number of Gaussians on axes where another number grows */
 
 static int64_t fewer(const scaling_world *w, int64_t count) { return w->quick ? count / 20 : count; }
 
-/* Random Gaussians that fill the view. */
+/* A world of random Gaussians that fill the view. */
 static tides_status random_world(scaling_world *w, int64_t count, double rad_per_s, tides_error *error) {
     bench_lay_out(&w->scene, "scaling", "random splats");
     bench_resize(&w->scene, w->quick ? 96 : 346, w->quick ? 72 : 260);
@@ -24,14 +24,14 @@ static tides_status in_view(double x, scaling_world *w, tides_error *error) {
     return random_world(w, (int64_t)x, ORBIT_RAD_S, error);
 }
 
-/* A tenth of a million in view, and x behind the camera's back, of one object and in no order. */
+/* A hundred thousand Gaussians in view and x behind the camera. They are one object, whose list mixes them. */
 static tides_status out_of_view(double x, scaling_world *w, tides_error *error) {
-    tides_status status = random_world(w, fewer(w, 100000), ORBIT_RAD_S, error); /* the camera is what others are behind of */
+    tides_status status = random_world(w, fewer(w, 100000), ORBIT_RAD_S, error); /* the others are put behind its camera */
     tides_pose pose = {{0}, {0}, {0}, {0}};
     double at[3];
     if (status == TIDES_OK) status = tides_trajectory_at(w->scene.camera, 0, &pose, error);
     if (status != TIDES_OK) return status;
-    for (int k = 0; k < 3; k++) at[k] = 3 * pose.position[k]; /* the orbit's middle is about 0 */
+    for (int k = 0; k < 3; k++) at[k] = 3 * pose.position[k]; /* the middle of the orbit is near 0 */
     tides_scene_destroy(w->scene.scene);
     w->scene.scene = NULL;
     status = tides_scene_create(&w->scene.scene, error);
@@ -39,9 +39,9 @@ static tides_status out_of_view(double x, scaling_world *w, tides_error *error) 
     return bench_add_random_apart(w->scene.scene, fewer(w, 100000), fewer(w, (int64_t)x), at, error);
 }
 
-/* A camera in their midst, which passes between them. */
+/* The camera passes between the Gaussians. */
 static tides_status around(double x, scaling_world *w, tides_error *error) {
-    const double speed = 1; /* [cube's half sides/s] */
+    const double speed = 1; /* [half sides of the cube / s] */
     const tides_pose_sample ends[2] = {{.time = 0, .quaternion = {1, 0, 0, 0}},
                                        {.time = 0.1, .position = {0, 0, 0.1 * speed}, .quaternion = {1, 0, 0, 0}}};
     tides_status status = random_world(w, fewer(w, (int64_t)x), ORBIT_RAD_S, error);
@@ -58,7 +58,7 @@ static tides_status pixels(double x, scaling_world *w, tides_error *error) {
     return status;
 }
 
-/* Smaller thresholds, more events. */
+/* Smaller thresholds give more events. */
 static tides_status events(double x, scaling_world *w, tides_error *error) {
     tides_status status = random_world(w, fewer(w, STANDARD), ORBIT_RAD_S, error);
     w->scene.sensor.threshold_on = w->scene.sensor.threshold_off = 1 / x;
@@ -76,7 +76,7 @@ static tides_status layers(double x, scaling_world *w, tides_error *error) {
     return status == TIDES_OK ? bench_face_patches(&w->scene, error) : status;
 }
 
-/* Splats in one plane, x of them over each pixel. */
+/* Splats of one plane, of which x cover each pixel. */
 static tides_status coplanar(double x, scaling_world *w, tides_error *error) {
     bench_lay_out(&w->scene, "coplanar", "splats in one plane");
     bench_resize(&w->scene, w->quick ? 48 : 173, w->quick ? 36 : 130);
@@ -113,7 +113,7 @@ static tides_status threads(double x, scaling_world *w, tides_error *error) {
     return random_world(w, fewer(w, STANDARD), ORBIT_RAD_S, error);
 }
 
-/* A million of SH 3 on 1280x720, for its memory. */
+/* A million Gaussians of SH 3 at 1280x720. Its memory is measured. */
 static tides_status memory(double x, scaling_world *w, tides_error *error) {
     tides_status status = random_world(w, (int64_t)x, ORBIT_RAD_S, error);
     bench_resize(&w->scene, 1280, 720);
@@ -121,7 +121,7 @@ static tides_status memory(double x, scaling_world *w, tides_error *error) {
     return status;
 }
 
-/* x: what a device's cache of kernels is, 1 as the run before left it, 2 empty. */
+/* x is the state of the device's cache of kernels: 1 as the run before left it, 2 empty. */
 static tides_status start(double x, scaling_world *w, tides_error *error) {
     w->kernels = x > 1;
     return random_world(w, 2000, 4 * ORBIT_RAD_S, error);

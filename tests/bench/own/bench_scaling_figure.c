@@ -1,4 +1,4 @@
-/* The picture of growth of cost: a panel for each axis, with points and the fitted line. */
+/* Draws the growth of cost: for each axis a panel with the points and the fitted line. */
 #include "bench_scaling.h"
 #include "plot.h"
 
@@ -7,7 +7,7 @@
 
 enum { WIDTH = 520, HEIGHT = 380, COLUMNS = 4, LEFT = 104, RIGHT = 24, TOP = 44, BOTTOM = 64, HEADING = 40 /* [px] */ };
 
-/* The ends of a line through the middle of the points, as steep as the fit. */
+/* The ends of the line with the slope of the fit through the middle of the points. */
 static void fit_ends(const double *x, const double *y, int32_t count, double slope, double ends_x[2], double ends_y[2]) {
     double middle_x = 0, middle_y = 0;
     ends_x[0] = x[0], ends_x[1] = x[count - 1];
@@ -22,7 +22,7 @@ static void draw_panel(cli_canvas *canvas, int32_t index, const scaling_line *li
     int32_t count = 0;
     panel.x_low = panel.y_low = INFINITY;
     for (int32_t i = 0; i < line->count; i++) {
-        if (!(line->points[i].x > 0)) continue; /* has no place on a logarithmic axis */
+        if (!(line->points[i].x > 0)) continue; /* a logarithmic axis has no place for 0 */
         x[count] = line->points[i].x;
         y[count] = line->points[i].processor_s;
         panel.x_low = fmin(panel.x_low, x[count]), panel.x_high = fmax(panel.x_high, x[count]);
@@ -46,7 +46,7 @@ static void draw_panel(cli_canvas *canvas, int32_t index, const scaling_line *li
     panel.y_label = "s";
     plot_axes(canvas, &panel, 1);
     if (has_fit) plot_draw(canvas, &panel, &fitted);
-    for (int32_t i = 0; i < count; i++) { /* one by one: no line between them */
+    for (int32_t i = 0; i < count; i++) { /* a call for each point, so that no line joins them */
         const plot_curve point = {.label = "measured", .x = &x[i], .y = &y[i], .count = 1, .style = 0};
         plot_draw(canvas, &panel, &point);
     }

@@ -1,5 +1,5 @@
-/* Measures a point of an axis: makes its world, and times its frames or its run. Each has a process of its own, so that threads
- * and memory are its own. */
+/* Measures a point of an axis: it makes the world, and times frames or a run. Each point has a process of its own, so that
+ * threads and memory belong to it alone. */
 #define _GNU_SOURCE /* sched_setaffinity */
 #include "bench_scaling.h"
 
@@ -10,9 +10,9 @@
 #include <string.h>
 #include <sys/resource.h>
 
-#define TOLERANCE 0.01 /* of the cubic's steps */
+#define TOLERANCE 0.01 /* of the steps [thresholds] */
 
-/* Frames and runs are repeated until they took so long [s], but so often at most. */
+/* Frames and runs are repeated until they took this time [s] together, and at most this often. */
 enum { AGAIN_MOST = 5 };
 #define LONG_S 1.0
 #define LONG_QUICK_S 0.1
@@ -35,13 +35,13 @@ static tides_status frames(bench *b, const scaling_world *w, scaling_result *r, 
         status = tides_renderer_frame(renderer, s->camera, 0, &frame, error);
         const double took = cli_now() - began, worked = bench_processor_s(1) - processor, host = bench_processor_s(0) - own;
         spent += took;
-        if (i < 0) continue; /* builds kernels */
+        if (i < 0) continue; /* this frame builds kernels */
         r->time_s = i ? fmin(r->time_s, took) : took;
         r->processor_s = i ? fmin(r->processor_s, worked) : worked;
         r->host_s = i ? fmin(r->host_s, host) : host;
         r->runs++;
         tides_renderer_stats(renderer, &r->stats.render);
-        r->stats.render.gaussians_projected -= before.gaussians_projected; /* of one frame */
+        r->stats.render.gaussians_projected -= before.gaussians_projected; /* leaves those of one frame */
         r->stats.render.pairs_evaluated -= before.pairs_evaluated;
     }
     tides_renderer_destroy(renderer);
@@ -57,7 +57,7 @@ static tides_status runs(bench *b, const scaling_world *w, scaling_result *r, ti
         status = bench_simulate(b, &w->scene, TIDES_RULES_SMOOTH, &w->scene.sensor, &w->stepping, NULL, &row, error);
         spent += row.run_time_s;
         r->stats = row.stats;
-        if (i < 0 && spent < LONG_S) continue; /* builds kernels; of a long run its own time without is good enough */
+        if (i < 0 && spent < LONG_S) continue; /* this run builds kernels; a long one counts without the builds */
         r->time_s = r->runs ? fmin(r->time_s, row.run_time_s) : row.run_time_s;
         r->processor_s = r->runs ? fmin(r->processor_s, row.all_threads_s) : row.all_threads_s;
         r->host_s = r->runs ? fmin(r->host_s, row.own_thread_s) : row.own_thread_s;
@@ -67,7 +67,8 @@ static tides_status runs(bench *b, const scaling_world *w, scaling_result *r, ti
     return status;
 }
 
-/* On as many processors: the host's thread would have one to itself beside the device's one, which is two threads. */
+/* Limits the process to as many processors as threads. Otherwise the host's thread would get a processor besides those of the
+ * device's threads. */
 static void keep_processors(int32_t count) {
     cpu_set_t allowed, kept;
     if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return;
@@ -77,7 +78,7 @@ static void keep_processors(int32_t count) {
     (void)sched_setaffinity(0, sizeof kept, &kept);
 }
 
-/* PoCL's names for it, of its versions before 4 and since. */
+/* PoCL's variables for the number of threads: before version 4, and since. */
 static void set_threads(int32_t threads) {
     char text[16];
     if (threads < 1) return;

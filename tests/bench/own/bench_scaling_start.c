@@ -10,12 +10,12 @@
 #include <string.h>
 #include <unistd.h>
 
-/* When the first event came. */
+/* The time of the first event. */
 static int note_first(void *user, const tides_event *events, size_t count) {
     double *first = user;
     (void)events;
     if (count && *first < 0) *first = cli_now();
-    return count != 0; /* stops the run */
+    return count != 0; /* the first event stops the run */
 }
 
 static tides_status start_once(bench *b, const scaling_world *w, double *took, tides_error *error) {
@@ -37,7 +37,7 @@ static tides_status start_once(bench *b, const scaling_world *w, double *took, t
     return status;
 }
 
-/* A folder with all that is in it; what can't be removed stays. */
+/* Removes a folder with all that is in it. A file that can't be removed stays. */
 static void remove_folder(const char *path) {
     DIR *folder = opendir(path);
     for (struct dirent *entry; folder && (entry = readdir(folder)) != NULL;) {

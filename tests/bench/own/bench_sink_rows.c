@@ -1,6 +1,6 @@
-/* Events from the comparator to no sink, and to files: the host's part of a run in which many pixels fire often. The times of
- * the comparator and the sink count, and of opening and finishing a file. Rendering doesn't count, nor the time in which the
- * operating system writes the file to its disk. */
+/* Rows of events that go from the comparator to no sink, and to files. They time the host's part of a run in which many pixels
+ * fire often: the comparator, the sink, and the opening and finishing of a file. Rendering doesn't count. The time in which
+ * the operating system writes the file to its disk doesn't count either. */
 #include "bench_targets.h"
 #include "bench_throughput.h"
 #include "bench_worlds.h"
@@ -12,15 +12,15 @@
 #include <unistd.h>
 
 enum { RUNS = 9, RUNS_QUICK = 3 };
-#define THRESHOLD 0.01   /* [log units]: some events in most pixels and steps */
-#define STEP_S 0.002     /* equal steps: nothing but the comparator looks at them */
-#define NOTHING_LEAST 30 /* [million events/s] that the work aims at, */
-#define HDF5_LEAST 8     /* into compressed HDF5 */
+#define THRESHOLD 0.01   /* [log units] most pixels fire some events in a step */
+#define STEP_S 0.002     /* [s] of equal steps */
+#define NOTHING_LEAST 30 /* target without a sink [million events/s] */
+#define HDF5_LEAST 8     /* target for compressed HDF5 */
 
-/* Where events go; `ending` NULL: nowhere. */
+/* A sink of events. A NULL `ending` stands for none. */
 typedef struct sink {
     const char *name, *ending;
-    double least; /* 0: no target */
+    double least; /* its target; 0: none */
 } sink;
 static const sink sinks[] = {{"nothing", NULL, NOTHING_LEAST},
                              {"HDF5", ".h5", HDF5_LEAST},
@@ -118,13 +118,13 @@ tides_status bench_sink_rows(bench *b, bench_stages *stages, tides_error *error)
     sink_times times[SINKS];
     bench_scene scene;
     memset(times, 0, sizeof times);
-    tides_status status = bench_world_make("random", 1, &scene, error); /* few splats: rendering isn't what is measured */
+    tides_status status = bench_world_make("random", 1, &scene, error); /* few splats, because rendering isn't measured */
     if (status != TIDES_OK) return status;
     bench_resize(&scene, b->quick ? 96 : 346, b->quick ? 72 : 260);
-    scene.stop = b->quick ? 0.01 : 0.03; /* forty runs, and rendering is most of each */
+    scene.stop = b->quick ? 0.01 : 0.03; /* short, because there are forty runs, most of whose time is rendering */
     scene.sensor.threshold_on = scene.sensor.threshold_off = THRESHOLD;
     scene.sensor.max_events_per_step = 1000;
-    for (int32_t run = -1; run < runs; run++) /* the first builds kernels */
+    for (int32_t run = -1; run < runs; run++) /* the first run builds kernels */
         for (int32_t i = 0; i < SINKS && status == TIDES_OK; i++)
             status = measure(b, &scene, &sinks[i], run < 0 ? 0 : run, &times[i], error);
     for (int32_t i = 0; i < SINKS && status == TIDES_OK; i++)

@@ -1,4 +1,4 @@
-/* Writes targets as rows of JSON, from which the page of results has them, and as text. */
+/* Writes targets as rows of JSON, which the page of results reads, and as text. */
 #include "bench_targets.h"
 
 #include <math.h>

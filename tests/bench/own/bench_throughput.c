@@ -1,5 +1,6 @@
-/* tides bench throughput: the time of each stage, beside what the machine allows. Frames of each scene at two sizes are made by
- * all image rules, with rates and without, in turns with the limit: the same image in plain C made for this machine. */
+/* own_bench throughput: the time of each stage, beside the least time on this machine. All image rules render frames of each
+ * scene at two sizes, with rates and without. The limit takes turns with them: it renders the same image in plain C, compiled
+ * for this machine. */
 #include "bench_throughput.h"
 #include "bench_targets.h"
 #include "bench_worlds.h"
@@ -14,8 +15,8 @@ typedef struct image_size {
 } image_size;
 static const image_size sizes[] = {{346, 260}, {1280, 720}}, quick_sizes[] = {{96, 72}};
 
-/* How far the limit's image may be off inria's: mean |difference| of L, and of L_dot as a share. Splats that a threshold of
- * alpha or of T drops here and keeps there are all there is. */
+/* Greatest mean |difference| between the images of the limit and of inria: of L, and of L_dot as a share. They differ only by
+ * splats that a threshold of alpha or of T drops in one of them. */
 #define LIMIT_L_MOST 1e-3
 #define LIMIT_L_DOT_MOST 0.02
 
@@ -144,7 +145,7 @@ static tides_status measure_scenes(bench *b, const cli_list *asked, bench_stages
 
 /* -- results -------------------------------------------------------------------------------------------------------------- */
 
-/* Nothing where there is no such number. */
+/* Writes nothing for NaN. */
 static void put_number(const char *format, int width, double number) {
     char text[32] = "";
     if (isfinite(number)) snprintf(text, sizeof text, format, number);

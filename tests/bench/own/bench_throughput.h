@@ -1,11 +1,11 @@
-/* Rows of `tides bench throughput`: frames by stage, events into files, and parts of runs. */
+/* Rows of `own_bench throughput`: stages of frames, events into files, and parts of runs. */
 #ifndef CLI_BENCH_THROUGHPUT_H
 #define CLI_BENCH_THROUGHPUT_H
 
 #include "bench_frames.h"
 
-/* A stage of making a frame, of a run, or of writing events; `maker` names the code that is measured. Times are of one
- * frame, or of the run. NaN: there is no such number. */
+/* One stage of a frame, of a run, or of the writing of events. `maker` names the measured code. Times are those of one frame,
+ * or of the whole run. NaN stands where a number doesn't exist. */
 typedef struct bench_stage {
     char scene[64];
     int32_t width, height;
@@ -30,16 +30,16 @@ typedef struct bench_stages {
     cJSON *header, *targets;
 } bench_stages;
 
-/* Appends a row of a scene, whose numbers are still NaN; NULL: out of memory. */
+/* Appends a row of a scene, with NaN for all numbers. Returns NULL if there is no memory. */
 bench_stage *bench_stages_add(bench_stages *stages, const bench_scene *scene, const char *maker, const char *stage,
                               tides_error *error);
 
 /* bench_frame_rows.c: the rows and the targets of a scene's frames. */
 tides_status bench_frame_rows(bench_stages *stages, const bench_scene *scene, const frame_times *times, tides_error *error);
 
-/* bench_run_rows.c: a run of the scene with all parts of exact events, stage by stage. */
+/* bench_run_rows.c: the rows of a run that finds exact events, stage by stage. */
 tides_status bench_run_rows(bench *b, bench_stages *stages, const bench_scene *scene, tides_error *error);
-/* bench_sink_rows.c: events from the comparator into nothing and into files, and their targets. */
+/* bench_sink_rows.c: the rows and the targets of events that go to no sink, and to files. */
 tides_status bench_sink_rows(bench *b, bench_stages *stages, tides_error *error);
 
 /* bench_throughput_figure.c: throughput.png. */

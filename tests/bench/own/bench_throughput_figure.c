@@ -1,4 +1,4 @@
-/* The picture of stages' times: a panel for each scene and size, and a bar of stages for each maker of frames. */
+/* Draws the times of stages: a panel for each scene and size, and in it a bar of stages for each maker of frames. */
 #include "bench_throughput.h"
 #include "plot.h"
 
@@ -20,7 +20,7 @@ enum {
 };
 enum { PANELS_MAX = 2 * CLI_LIST_MAX };
 
-/* Stages of a bar, in their order; `lists` has the colour of what the renderer does for them. */
+/* The stages of a bar, in their order. The limit's `lists` has the colour of the renderer's stage that makes lists. */
 static const char *const drawn[] = {"sweep", "project", "sort", "composite", "transfer", "other"};
 enum { DRAWN = sizeof drawn / sizeof drawn[0] };
 
@@ -34,7 +34,7 @@ static int32_t same_panel(const bench_stage *a, const bench_stage *b) {
     return strcmp(a->scene, b->scene) == 0 && a->width == b->width;
 }
 
-/* Where each panel begins. */
+/* Finds the first row of each panel. */
 static int32_t find_panels(const bench_stages *s, size_t first[PANELS_MAX]) {
     int32_t count = 0;
     for (size_t i = 0; i < s->count; i++)
@@ -42,7 +42,7 @@ static int32_t find_panels(const bench_stages *s, size_t first[PANELS_MAX]) {
     return count;
 }
 
-/* From the last stage to the first, each bar reaching as far as all before it. */
+/* Draws the stages from the last to the first. Each bar is as long as its stage and all before it. */
 static void draw_bar(cli_canvas *canvas, const plot_panel *panel, const bench_stages *s, size_t from, size_t to, int32_t top) {
     double end[DRAWN] = {0}, sum = 0, whole = 0;
     for (int32_t k = 0; k < DRAWN; k++)
@@ -96,7 +96,7 @@ static tides_status draw_frames(const bench *b, const bench_stages *stages, tide
     return bench_write_canvas(b, &canvas, "throughput", error);
 }
 
-/* Frames alone: what runs and sinks take is in the table. */
+/* The picture has frames alone; runs and sinks are in the table. */
 tides_status bench_figure_stages(const bench *b, const bench_stages *stages, tides_error *error) {
     bench_stages frames = {.rows = malloc((stages->count + 1) * sizeof *frames.rows)};
     if (!frames.rows) return cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture");

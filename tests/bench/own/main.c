@@ -1,5 +1,5 @@
-/* Benchmarks of the library itself, which users' scenes don't need: the stages of frames beside the same image in plain C made
- * for this machine (limit/), growth of cost, and the value of measures that make the image continuous. For `make bench`.
+/* Benchmarks of the library itself, for `make bench`; a user's scene needs none of them. They measure the stages of frames
+ * beside the limit (limit/), the growth of cost, and the value of the measures that make the image continuous.
  *   usage: own_bench image|scaling|throughput|all [-o DIR] [--quick] [--scene NAME] [--row NAME] */
 #include "bench_image.h"
 #include "bench_main.h"

@@ -7,7 +7,7 @@
 
 /* -- threads -------------------------------------------------------------------------------------------------------------- */
 
-/* A thread's number goes with it. */
+/* What a thread is started with: the limit, and the thread's number. */
 typedef struct seat {
     limit *l;
     int32_t thread;
@@ -92,7 +92,7 @@ static void fill_part(const limit_object *o, limit_part *part) {
     }
 }
 
-/* What is beyond the last Gaussian of a group has no reach. */
+/* Places of a group behind its last Gaussian get no reach. */
 static int32_t make_part(const limit_object *o, int32_t first_group, limit_part *part) {
     const int32_t degree = o->sh_degree < 3 ? o->sh_degree : 3;
     part->first_group = first_group;

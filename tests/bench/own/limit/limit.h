@@ -1,5 +1,5 @@
 /* The least cost of a frame on this machine: the same image and rate as TIDES_RULES_INRIA, in plain C with vectors of AVX-512,
- * made with -O3 -march=native. `tides bench throughput` runs it in turns with the renderer, and reports their ratio stage by
+ * made with -O3 -march=native. `own_bench throughput` runs it in turns with the renderer, and reports their ratio stage by
  * stage.
  *
  * It is a shared object (Makefile) that is opened while the benchmark runs, because code made with -march=native runs only on
@@ -12,7 +12,7 @@
 
 #include <stdint.h>
 
-/* Gaussians of one object, as tides_gaussians has them; what it is moved by is in its view. */
+/* The Gaussians of one object, as in tides_gaussians. The motion of the object is in its view. */
 typedef struct limit_object {
     int64_t count;
     int32_t sh_degree; /* 0..3; higher bands aren't evaluated */
@@ -28,17 +28,17 @@ typedef struct limit_setup {
     double luminance[3], background[3], log_eps, dilation;
 } limit_setup;
 
-/* From an object's coordinates to the camera's, and its rate. */
+/* The map from an object's coordinates to the camera's, and the rate of the map. */
 typedef struct limit_view {
     double r[9], r_dot[9], t[3], t_dot[3];
 } limit_view;
 
 enum { LIMIT_PROJECT = 0, LIMIT_SORT = 1, LIMIT_LISTS = 2, LIMIT_COMPOSITE = 3, LIMIT_STAGES = 4 };
 
-/* What a frame took. */
+/* The work of a frame. */
 typedef struct limit_counts {
     double seconds[LIMIT_STAGES];
-    int64_t gaussians, splats; /* looked at; visible */
+    int64_t gaussians, splats; /* all; those that are visible */
     int64_t entries;           /* (splat, tile) pairs */
     int64_t pairs;             /* (splat, pixel) pairs, in blocks of 16 */
 } limit_counts;
@@ -49,15 +49,16 @@ typedef struct limit_functions {
     uint32_t size; /* of this struct */
     int32_t reserved;
     const char *made_by; /* compiler and version */
-    /* NULL: out of memory. The Gaussians are copied. */
+    /* Copies the Gaussians. Returns NULL if there is no memory. */
     limit *(*create)(const limit_setup *setup);
     void (*destroy)(limit *l);
-    /* L and, with `rates`, L_dot, (height x width). 0: out of memory. `views`: one for each object. */
+    /* Renders L and, with `rates`, L_dot, (height x width). `views` has one view for each object. Returns 0 if there is no
+     * memory. */
     int32_t (*frame)(limit *l, const limit_view *views, int32_t rates, float *log_luminance, float *log_luminance_dot,
                      limit_counts *counts);
 } limit_functions;
 
-/* The object's one symbol. */
+/* The only symbol of the shared object. */
 #define LIMIT_SYMBOL "limit_of_frames"
 #define LIMIT_OBJECT "libtides-limit.so"
 

@@ -4,11 +4,11 @@
 
 #include <stdlib.h>
 
-enum { LOOK_AHEAD = 8 }; /* splats between two questions whether any pixel can still change */
+enum { LOOK_AHEAD = 8 }; /* after so many splats it asks whether any pixel can still change */
 
 static const float alpha_most = 0.99f, cut = 1 / 255.0f, stop = 1e-4f;
 
-/* Sixteen pixels on their way down a list. */
+/* The state of sixteen pixels while they go through a list. */
 typedef struct pixels {
     vec T, T_dot, Y, Y_dot;
     mask live;
@@ -47,7 +47,7 @@ LIMIT_INLINE int64_t composite_block(const limit_record *records, const int32_t 
     return i;
 }
 
-/* The background behind, and logarithms. */
+/* Adds the background, and takes logarithms. */
 LIMIT_INLINE void finish(const limit *l, pixels *p, vec *L, vec *L_dot) {
     const double *b = l->setup.background, *w = l->setup.luminance;
     const float background = (float)(b[0] * w[0] + b[1] * w[1] + b[2] * w[2]);
@@ -56,7 +56,7 @@ LIMIT_INLINE void finish(const limit *l, pixels *p, vec *L, vec *L_dot) {
     *L_dot = (p->Y_dot + p->T_dot * background) / Y;
 }
 
-/* Four rows of four pixels to a plane, what lies outside left out. */
+/* Writes four rows of four pixels into a plane. Pixels outside the image are left out. */
 LIMIT_INLINE void put_block(const limit *l, int32_t x, int32_t y, vec values, float *plane) {
     const int32_t width = l->setup.width, height = l->setup.height, wide = width - x < 4 ? width - x : 4;
     float rows[LANES];
@@ -74,7 +74,7 @@ static int32_t make_room(limit_worker *w, size_t count) {
     if (count <= w->local_capacity) return 1;
     free(w->local);
     free(w->lists);
-    w->local_capacity = count + count / 2 + LANES; /* split_list writes up to a vector beyond */
+    w->local_capacity = count + count / 2 + LANES; /* split_list writes up to a vector behind the end */
     w->local = malloc(w->local_capacity * sizeof *w->local);
     w->lists = malloc(w->local_capacity * BLOCKS * sizeof *w->lists);
     if (w->local && w->lists) return 1;
@@ -83,8 +83,8 @@ static int32_t make_room(limit_worker *w, size_t count) {
     return 0;
 }
 
-/* For each block the splats that reach it, sixteen of a tile's looked at together where the machine can put those of a mask
- * side by side: without, the question how many blocks a splat reaches goes wrong at most of them. */
+/* Lists for each block the splats that reach it. It tests sixteen splats of a tile together where the machine can pack the
+ * lanes of a mask. Without that, a branch on the number of blocks that a splat reaches is mispredicted for most splats. */
 static void split_list(const uint16_t *masks, int32_t count, size_t capacity, int32_t *lists, int32_t counts[BLOCKS]) {
     memset(counts, 0, BLOCKS * sizeof *counts);
     for (int32_t i = 0; i < count; i += LANES) {
@@ -95,7 +95,7 @@ static void split_list(const uint16_t *masks, int32_t count, size_t capacity, in
     }
 }
 
-/* Records side by side, and the blocks' lists. */
+/* Copies the tile's records side by side, and makes the lists of its blocks. */
 static void sort_out(const limit *l, limit_worker *w, int32_t first, int32_t count, int32_t counts[BLOCKS]) {
     const int32_t *list = l->list + first;
     for (int32_t i = 0; i < count; i++) {

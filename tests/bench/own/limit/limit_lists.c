@@ -1,5 +1,5 @@
-/* Depth order and lists: a radix sort of the visible splats, then, in that order, the blocks of tiles that each may reach.
- * Threads handle neighbouring parts of the order, and store their hits in turn, so that lists are in depth order too. */
+/* Depth order and lists. A radix sort orders the visible splats. Then the blocks that each splat may reach are found in that
+ * order. Threads handle neighbouring parts of the order, and store their hits in turn, so that lists are in depth order too. */
 #include "limit_parts.h"
 
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 
 enum { RADIX_BITS = 11, RADIX = 1 << RADIX_BITS };
 
-/* Keys of the threads' parts side by side, less the smallest; the largest of them. */
+/* Copies the keys of all threads side by side, and subtracts the smallest. Returns the largest. */
 static uint32_t collect_keys(limit *l) {
     uint32_t least = UINT32_MAX, most = 0;
     l->splats = 0;
@@ -45,7 +45,7 @@ static void radix_pass(limit *l, int32_t from, int32_t shift) {
     }
 }
 
-/* The order ends up in places[0]. */
+/* Sorts the splats; places[0] gets the order. */
 void limit_sort(limit *l) {
     const uint32_t most = collect_keys(l);
     int32_t from = 1;
@@ -63,7 +63,7 @@ static void part_of(const limit *l, int32_t thread, int64_t *first, int64_t *end
     *end = l->splats * (thread + 1) / l->threads;
 }
 
-/* What is the same for all tiles of a splat. */
+/* Numbers of a splat that all tiles share. */
 typedef struct ellipse {
     vec u, v, qxx, qxy, qyy, slope_x, slope_y, least;
 } ellipse;
@@ -79,8 +79,8 @@ LIMIT_INLINE ellipse ellipse_of(const limit_record *r) {
                      splat(-(r->log2_opacity + 7.9944f))}; /* log2(255), and a little */
 }
 
-/* Blocks of the tile whose pixel centres the ellipse reaches, one a lane: where the form is least within the block, it is on
- * the side nearest to the splat, of x or of y. */
+/* The blocks of the tile with a pixel centre within the ellipse, a lane for each block. Within a block the form is least on the
+ * side nearest to the splat, in x or in y. */
 LIMIT_INLINE uint32_t blocks_reached(const ellipse *e, float x, float y) {
     const vec block_x = {0, 4, 8, 12, 0, 4, 8, 12, 0, 4, 8, 12, 0, 4, 8, 12};
     const vec block_y = {0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12};
@@ -102,7 +102,7 @@ static int32_t grow_hits(limit_worker *w, size_t more) {
     return 1;
 }
 
-/* A thread's splats put in order, and their hits. */
+/* Puts the splats of a thread in order, and finds their hits. */
 static void find_hits(limit *l, int32_t thread) {
     limit_worker *w = &l->workers[thread];
     int64_t first, end;
@@ -126,7 +126,7 @@ static void find_hits(limit *l, int32_t thread) {
     }
 }
 
-/* A thread's hits to their tiles' lists; its tile_counts say where the next one goes. */
+/* Moves the hits of a thread to the lists of their tiles. Its tile_counts have the place of the next hit. */
 static void place_hits(limit *l, int32_t thread) {
     const limit_worker *w = &l->workers[thread];
     for (size_t i = 0; i < w->hit_count; i++) {
@@ -136,7 +136,7 @@ static void place_hits(limit *l, int32_t thread) {
     }
 }
 
-/* Where each list begins, and each thread's part of it; the number of hits. */
+/* Finds where each list begins, and each thread's part of it. Returns the number of hits. */
 static int32_t begin_lists(limit *l) {
     int32_t sum = 0;
     for (int32_t tile = 0; tile < l->tiles; tile++) {
@@ -151,7 +151,8 @@ static int32_t begin_lists(limit *l) {
     return sum;
 }
 
-/* Tiles by the number of binary digits of their lists' lengths, the longest first: no thread is left with a long one. */
+/* Orders the tiles by the number of binary digits of their lists' lengths, the longest first, so that no thread gets a long
+ * list at the end. */
 static void order_tiles(limit *l) {
     int32_t at[33] = {0}, sum = 0;
     for (int32_t i = 0; i < l->tiles; i++) {

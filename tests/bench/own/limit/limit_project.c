@@ -1,10 +1,10 @@
-/* Projection of all Gaussians, with rates, sixteen at a time: from arrays of sixteen equal numbers to records of single splats.
- * Invisible ones are dropped before their colour is computed. */
+/* Projects all Gaussians with their rates, sixteen at a time. Its input are arrays of sixteen numbers of one kind, its results
+ * records of single splats. Invisible splats are dropped before their colour is computed. */
 #include "limit_parts.h"
 
 static const float near_plane = 0.2f;
 
-/* Numbers of the frame and the object, the same for all its Gaussians. */
+/* Numbers of the frame and the object, which all its Gaussians share. */
 typedef struct scenery {
     float r[9], r_dot[9], t[3], t_dot[3];
     float eye[3], eye_dot[3]; /* in the object's coordinates */
@@ -30,7 +30,7 @@ static scenery scenery_of(const limit *l, const limit_view *view) {
     return s;
 }
 
-/* A row of the view times a point, which stands still in its object. */
+/* A row of the view times a point that rests in its object. */
 LIMIT_INLINE dual view_row(const scenery *s, int i, const vec p[3], int rates) {
     dual sum = make(splat(s->t[i]), splat(rates ? s->t_dot[i] : 0));
     for (int j = 0; j < 3; j++) {
@@ -45,13 +45,13 @@ LIMIT_INLINE dual clamp_slope(dual x, float most) {
     return make(smaller(larger(x.v, splat(-most)), splat(most)), keep(inside, x.d));
 }
 
-/* A group as splats. */
+/* The splats of a group. */
 typedef struct shapes {
-    dual u, v, a, b, c, inverse, z; /* inverse: of the determinant */
+    dual u, v, a, b, c, inverse, z; /* inverse: 1 / determinant */
     mask visible;
 } shapes;
 
-/* Rows of A = J R M: what the factor comes to on the screen. */
+/* Rows of A = J R M, the factor on the screen. */
 LIMIT_INLINE void project_factor(const limit *l, const scenery *s, const float *g, dual x_z, dual y_z, dual inverse_z,
                                  int rates, dual a[2][3]) {
     const dual slopes[2] = {clamp_slope(x_z, s->limit_x), clamp_slope(y_z, s->limit_y)};
@@ -74,7 +74,7 @@ LIMIT_INLINE void project_factor(const limit *l, const scenery *s, const float *
 
 LIMIT_INLINE dual dot3(const dual a[3], const dual b[3]) { return add(mul(a[0], b[0]), add(mul(a[1], b[1]), mul(a[2], b[2]))); }
 
-/* 0: nothing of the group is in front of the camera. */
+/* Returns 0 if no Gaussian of the group is in front of the camera. */
 LIMIT_INLINE int shape_of(const limit *l, const scenery *s, const float *g, int rates, shapes *out) {
     vec mean[3];
     dual a[2][3];
@@ -113,7 +113,7 @@ LIMIT_INLINE void tiles_reached(vec centre, vec reach, vec square, int tiles, iv
 
 LIMIT_INLINE dual direction_term(float number, dual a, dual b) { return scale(mul(a, b), number); }
 
-/* colour += basis times the coefficients of band k */
+/* Adds the basis times the coefficients of band k to the colour. */
 LIMIT_INLINE void add_band(dual colour[3], dual basis, const float *sh, int k, int rates) {
     for (int c = 0; c < 3; c++) {
         const vec h = load(sh + LANES * (3 * k + c));
@@ -141,7 +141,7 @@ LIMIT_INLINE void add_degree_2_and_3(dual colour[3], dual x, dual y, dual z, con
     add_band(colour, direction_term(-0.5900435899266435f, x, sub(xx, scale(yy, 3))), sh, 15, rates);
 }
 
-/* Luminance of the colour seen from the eye, channels below 0 being 0. */
+/* Luminance of the colour that the eye sees. Channels below 0 count as 0. */
 LIMIT_INLINE dual luminance_of(const limit *l, const scenery *s, const float *g, const float *sh, int bands, int rates) {
     dual colour[3], sum = make(splat(0), splat(0));
     for (int c = 0; c < 3; c++) colour[c] = make(splat(0.5f) + 0.28209479177387814f * load(sh + LANES * c), splat(0));
@@ -165,7 +165,7 @@ LIMIT_INLINE dual luminance_of(const limit *l, const scenery *s, const float *g,
     return sum;
 }
 
-/* Sixteen vectors turned over: one step interleaves halves, and four do it all. */
+/* Transposes sixteen vectors. A step interleaves halves, and four steps do it all. */
 LIMIT_INLINE void turn_over(vec m[LANES]) {
     for (int step = 0; step < 4; step++) {
         vec n[LANES];
@@ -180,7 +180,8 @@ LIMIT_INLINE void turn_over(vec m[LANES]) {
 
 LIMIT_INLINE void lay_record(const shapes *p, const float *g, dual luminance, int rates, vec entry[LANES]) {
     const float half_log2_e = 0.72134752044448170368f;
-    const dual qxx = mul(p->c, p->inverse), qxy = mul(p->b, p->inverse), qyy = mul(p->a, p->inverse); /* qxy: less its sign */
+    const dual qxx = mul(p->c, p->inverse), qxy = mul(p->b, p->inverse),
+               qyy = mul(p->a, p->inverse); /* qxy: without its sign */
     entry[0] = p->u.v, entry[1] = p->v.v;
     entry[2] = -half_log2_e * qxx.v, entry[3] = 2 * half_log2_e * qxy.v, entry[4] = -half_log2_e * qyy.v;
     entry[5] = load(g + LANES * G_LOG2_OPACITY);
@@ -191,7 +192,7 @@ LIMIT_INLINE void lay_record(const shapes *p, const float *g, dual luminance, in
     entry[11] = -0.5f * qxx.d, entry[12] = qxy.d, entry[13] = -0.5f * qyy.d;
 }
 
-/* One group; returns how many splats of it are written from `record` and `key` on. */
+/* Projects one group. Writes its visible splats from `record` and `key` on, and returns their number. */
 LIMIT_INLINE int64_t project_group(const limit *l, const scenery *s, const float *g, const float *sh, int bands, int rates,
                                    limit_record *record, uint32_t *key) {
     shapes p;
@@ -229,7 +230,7 @@ LIMIT_INLINE void project_part(limit *l, const limit_part *part, int32_t which, 
         const int64_t at = w->first_splat + w->splats;
         limit_record *record = &l->records[at];
         uint32_t *key = &l->keys[0][at];
-        switch (part->bands) { /* known, each is a straight line */
+        switch (part->bands) { /* with a constant number of bands the code has no branches */
             case 1: w->splats += project_group(l, &s, g, sh, 1, rates, record, key); break;
             case 4: w->splats += project_group(l, &s, g, sh, 4, rates, record, key); break;
             case 9: w->splats += project_group(l, &s, g, sh, 9, rates, record, key); break;

@@ -1,5 +1,6 @@
-/* Sixteen numbers at a time: the compiler's vectors, and masks, which AVX-512 keeps in registers of their own. Tried and left
- * out: comparisons of the compiler's own vectors, for other machines. gcc 12 splits them lane by lane, forty times as slow. */
+/* Vectors of sixteen numbers, as the compiler has them, and masks, which AVX-512 keeps in registers of their own. Comparisons
+ * of the compiler's own vectors would serve other machines too. They were tried and left out, because gcc 12 splits them lane
+ * by lane, which is forty times as slow. */
 #ifndef LIMIT_VECTOR_H
 #define LIMIT_VECTOR_H
 
@@ -38,7 +39,8 @@ LIMIT_INLINE mask all_lanes(void) { return 0xffff; }
 LIMIT_INLINE vec smaller(vec a, vec b) { return (vec)_mm512_min_ps((__m512)a, (__m512)b); }
 LIMIT_INLINE vec larger(vec a, vec b) { return (vec)_mm512_max_ps((__m512)a, (__m512)b); }
 LIMIT_INLINE vec root(vec a) { return (vec)_mm512_sqrt_ps((__m512)a); }
-/* Of sixteen masks, `first` and on, the numbers of those that have the bit, side by side; how many. Writes a whole vector. */
+/* Writes the numbers, from `first` on, of those of sixteen masks that have the bit side by side. Returns how many there are. It
+ * writes a whole vector. */
 LIMIT_INLINE int32_t put_reaching(const uint16_t masks[LANES], int32_t bit, int32_t first, int32_t *to) {
     const __m512i number = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
     const __m512i all = _mm512_cvtepu16_epi32(_mm256_loadu_si256((const void *)masks));
@@ -68,7 +70,7 @@ LIMIT_INLINE vec natural_log(vec x) {
     return e * 0.693147181f + 2.0f * s * (1.0f + q * (1 / 3.0f + q * (1 / 5.0f + q * (1 / 7.0f + q * (1 / 9.0f)))));
 }
 
-/* A number and its rate. */
+/* A number, and its rate. */
 typedef struct dual {
     vec v, d;
 } dual;
