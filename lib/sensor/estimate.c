@@ -198,31 +198,73 @@ static int may_fire(const td_sensor *sensor, size_t i, int cuts, double low, dou
     return leaves || sensor->reach[i];
 }
 
-/* 0: count_pixel changes nothing, so that nobody need ask whether the pixel counts. */
-static int may_be_worse(const td_estimated *step, const pixel_step *p, double scale, double moved, const td_estimate *worst) {
-    const double timed = td_greater(p->error - noise, 0);
-    return !(p->error * scale <= worst->rounded && p->error * scale <= worst->error) ||
-           (step->deviation && !(p->bump * scale <= worst->deviation)) || !(timed * step->h / moved <= worst->seconds);
+/* Some pixels of a tile side by side. `worse` is 0 where count_pixel would change nothing, so that nobody need ask whether the
+ * pixel counts. `way` is in thresholds. */
+typedef struct suspects {
+    double worse[LANES], way[LANES];
+} suspects;
+
+/* Looks at the LANES pixels from number `at` of the tile on, or at those that are left, by the formulas of pixel_of. */
+static inline void look_for_worse(int probed, const td_sensor *sensor, const td_estimated *step, size_t first, double time,
+                                  int32_t at, const td_estimate *worst, suspects *restrict to) {
+    const double *S0 = step->signals->S0 + at, *S0_dot = step->signals->S0_dot + at;
+    const double *S1 = step->signals->S1 + at, *S1_dot = step->signals->S1_dot + at;
+    const double *on = sensor->threshold_on + first + at, *off = sensor->threshold_off + first + at;
+    const double *leak = sensor->leak + first + at, *deviation = probed ? step->deviation + at : NULL;
+    const double h = step->h, nominal = td_sensor_least_threshold(&sensor->sensor);
+    const td_estimate known = *worst;
+    const int32_t count = step->count - at < LANES ? step->count - at : LANES;
+    for (int32_t k = 0; k < count; k++) {
+        const pixel_step p = {S0[k], S1[k], h * S0_dot[k], h * S1_dot[k], 0, 0};
+        const double embedded = td_embedded(p.S1 - p.S0, p.rate0, p.rate1), bump = probed ? deviation[k] : embedded;
+        const double error = probed ? td_probe_error(embedded, bump) : embedded, own = td_lesser(on[k], off[k]);
+        const double ramp0 = leak[k] * time, ramp1 = ramp0 + leak[k] * h * 1e9, scale = nominal / own;
+        const double timed = td_greater(error - noise, 0), moved = td_greater(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), error);
+        double worse = error * scale <= known.rounded ? 0.0 : 1.0;
+        worse = error * scale <= known.error ? worse : 1.0;
+        worse = timed * h / moved <= known.seconds ? worse : 1.0;
+        if (probed) worse = bump * scale <= known.deviation ? worse : 1.0;
+        to->worse[k] = worse;
+        to->way[k] = error >= 0 ? (way_of(&p) + fabs(ramp1 - ramp0)) / own : 0;
+    }
+}
+
+TD_WIDE static void find_suspects(const td_sensor *sensor, const td_estimated *step, size_t first, double time, int32_t at,
+                                  const td_estimate *worst, suspects *to) {
+    if (step->deviation)
+        look_for_worse(1, sensor, step, first, time, at, worst, to);
+    else
+        look_for_worse(0, sensor, step, first, time, at, worst, to);
+}
+
+/* Pixel k of the tile: adds it if it may fire. */
+static void ask_block(const td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time, int32_t k,
+                      td_estimate *worst) {
+    const size_t i = first + (size_t)k;
+    const pixel_step p = pixel_of(step, k);
+    if (!(p.error >= 0)) return; /* NaN */
+    const double swing =
+        (sensor->additive.on ? noise_swing * sensor->additive.sigma : 0) + (sensor->kick.on ? sensor->kick.most : 0);
+    const double ramp0 = sensor->leak[i] * time, ramp1 = ramp0 + sensor->leak[i] * step->h * 1e9;
+    const double own = td_lesser(sensor->threshold_on[i], sensor->threshold_off[i]);
+    const double moved = td_greater(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), p.error);
+    double low, high;
+    range_of(&p, &low, &high); /* the ramp lies between its ends, which are added below */
+    if (step->reference && !may_fire(sensor, i, cuts, low + ramp0 - swing, high + ramp1 + swing, step->reference[k])) return;
+    count_pixel(step, &p, td_sensor_least_threshold(&sensor->sensor) / own, moved, worst);
 }
 
 static td_estimate estimate_blocks(const td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
     td_estimate worst = {0, 0, 0, 0, 0};
-    double swing = (sensor->additive.on ? noise_swing * sensor->additive.sigma : 0) + (sensor->kick.on ? sensor->kick.most : 0);
-    double nominal = td_sensor_least_threshold(&sensor->sensor);
     const int notes = step->reference && cuts <= TD_FEW_CUTS; /* may_fire keeps what it finds */
-    for (int32_t k = 0; k < step->count; k++) {
-        size_t i = first + (size_t)k;
-        const pixel_step p = pixel_of(step, k);
-        if (!(p.error >= 0)) continue; /* NaN */
-        double ramp0 = sensor->leak[i] * time, ramp1 = ramp0 + sensor->leak[i] * step->h * 1e9;
-        double low, high, own = td_lesser(sensor->threshold_on[i], sensor->threshold_off[i]);
-        worst.crossings = td_greater((way_of(&p) + fabs(ramp1 - ramp0)) / own, worst.crossings);
-        double moved = td_greater(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), p.error);
-        if (!notes && !may_be_worse(step, &p, nominal / own, moved, &worst)) continue;
-        range_of(&p, &low, &high); /* the ramp lies between its ends, which are added below */
-        if (step->reference && !may_fire(sensor, i, cuts, low + ramp0 - swing, high + ramp1 + swing, step->reference[k]))
-            continue;
-        count_pixel(step, &p, nominal / own, moved, &worst);
+    suspects of;
+    for (int32_t at = 0; at < step->count; at += LANES) {
+        const int32_t count = step->count - at < LANES ? step->count - at : LANES;
+        find_suspects(sensor, step, first, time, at, &worst, &of);
+        for (int32_t k = 0; k < count; k++) {
+            worst.crossings = td_greater(of.way[k], worst.crossings);
+            if (notes || of.worse[k] > 0.0) ask_block(sensor, step, first, cuts, time, at + k, &worst);
+        }
     }
     return worst;
 }

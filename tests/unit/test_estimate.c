@@ -247,6 +247,62 @@ static void test_behind_a_filter(void **state) {
     }
 }
 
+/* Pixels with noise, many side by side: the worst of them is the worst of each by itself, to the bit, on early cuts and on late
+ * ones. A pixel far from its levels doesn't count. */
+static void test_noisy_pixels(void **state) {
+    (void)state;
+    enum { COUNT = 203, FIRST = 5 };
+    static double S0[COUNT], S0_dot[COUNT], S1[COUNT], S1_dot[COUNT], deviation[COUNT], reference[COUNT];
+    static double on[FIRST + COUNT], off[FIRST + COUNT], leak[FIRST + COUNT], held[FIRST + COUNT];
+    static uint8_t reach[FIRST + COUNT];
+    td_sensor sensor = sensor_of(C, C);
+    uint64_t seed = SEED + 6;
+    sensor.on = sensor.additive.on = 1;
+    sensor.additive.sigma = 0.005;
+    sensor.threshold_on = on;
+    sensor.threshold_off = off;
+    sensor.leak = leak;
+    sensor.held_until = held;
+    sensor.reach = reach;
+    int left_out = 0;
+    for (int trial = 0; trial < 60; trial++) {
+        const int probed = trial % 2, cuts = trial % 3 ? TD_FEW_CUTS + 1 : 0;
+        for (int i = 0; i < COUNT; i++) {
+            const double size = pow(10, scene_between(&seed, -7, -1.5));
+            S0[i] = scene_between(&seed, -5, 0);
+            S1[i] = S0[i] + scene_between(&seed, -size, size);
+            S0_dot[i] = scene_between(&seed, -size, size) / H;
+            S1_dot[i] = i % 41 == 3 ? NAN : scene_between(&seed, -size, size) / H;
+            reference[i] = S0[i] + scene_between(&seed, -C, C);
+            deviation[i] = i % 11 == 4 ? 1e-6 : scene_between(&seed, 0, size);
+            on[FIRST + i] = scene_between(&seed, 0.2, 0.4);
+            off[FIRST + i] = trial % 4 < 2 ? on[FIRST + i] : scene_between(&seed, 0.1, 0.3);
+            leak[FIRST + i] = i % 3 ? scene_between(&seed, 0, 1e-10) : 0;
+            held[FIRST + i] = i % 17 == 5 ? 1 : -INFINITY;
+        }
+        const td_signals signals = {S0, S0_dot, S1, S1_dot};
+        const td_estimated step = {H, &signals, reference, probed ? deviation : NULL, 2e-6, COUNT};
+        td_sensor_begin_estimates(&sensor, FIRST, COUNT);
+        const td_estimate all = td_sensor_estimate(&sensor, &step, FIRST, cuts, 3e7);
+        td_estimate worst = {0, 0, 0, 0, 0};
+        td_sensor_begin_estimates(&sensor, FIRST, COUNT);
+        for (int i = 0; i < COUNT; i++) {
+            const td_signals own = {S0 + i, S0_dot + i, S1 + i, S1_dot + i};
+            const td_estimated single = {H, &own, reference + i, probed ? deviation + i : NULL, 2e-6, 1};
+            const td_estimate one = td_sensor_estimate(&sensor, &single, FIRST + (size_t)i, cuts, 3e7);
+            left_out += one.rounded == 0;
+            worst.error = fmax(worst.error, one.error);
+            worst.seconds = fmax(worst.seconds, one.seconds);
+            worst.deviation = fmax(worst.deviation, one.deviation);
+            worst.rounded = fmax(worst.rounded, one.rounded);
+            worst.crossings = fmax(worst.crossings, one.crossings);
+        }
+        assert_true(all.error > 0 && all.seconds > 0 && all.crossings > 0);
+        assert_memory_equal(&all, &worst, sizeof all);
+    }
+    assert_true(left_out > 60 * COUNT / 2 && left_out < 60 * COUNT * 9 / 10);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_cubic_signals),
                                        cmocka_unit_test(test_quadratic_signals_have_no_error),
@@ -254,7 +310,8 @@ int main(void) {
                                        cmocka_unit_test(test_only_pixels_near_a_level_count),
                                        cmocka_unit_test(test_worst_of_many),
                                        cmocka_unit_test(test_crossings),
-                                       cmocka_unit_test(test_behind_a_filter)};
+                                       cmocka_unit_test(test_behind_a_filter),
+                                       cmocka_unit_test(test_noisy_pixels)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
