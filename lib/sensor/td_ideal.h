@@ -12,10 +12,16 @@
 
 #include <math.h>
 
+/* A looked-up signal that ends or turns within this share of 1 + |S| of a level reaches it. A pixel before an even backdrop
+ * returns exactly to its first level, where rounding would decide. Without a share 44 407 per million events of slider_depth in
+ * orbit were in doubt, with four times the rounding of S 1255, and with this 31: the crossing isn't as flat. */
+#define TD_IDEAL_TIE 0x1p-31
+
 /* A pixel on its way through the step. */
 typedef struct td_ideal {
     uint16_t x, y;
     double on, off, initial, reference;
+    double tie; /* as td_crossing_walk's */
     uint32_t count_on, count_off;
     int32_t fired;
 } td_ideal;
@@ -41,6 +47,7 @@ static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, cons
     part.start_fraction += from * part.length_ns;
     part.length_ns *= length;
     td_crossing_begin(&walk, model, &part);
+    walk.tie = at->tie;
     for (;;) {
         int polarity = td_crossing_next(&walk, at->reference, at->on, at->off);
         if (polarity == 0) return TIDES_OK;
@@ -88,6 +95,7 @@ static inline TIDES_MUST_CHECK tides_status td_ideal_advance(td_pixel_job *job, 
     td_ideal at = {.x = x, .y = y, .initial = pixels->initial[i], .reference = pixels->reference[i]};
     at.on = job->sensor->sensor.threshold_on;
     at.off = job->sensor->sensor.threshold_off;
+    at.tie = pieces ? TD_IDEAL_TIE * (1 + fabs(S1)) : 0;
     at.count_on = pixels->count_on[i];
     at.count_off = pixels->count_off[i];
 

@@ -51,7 +51,7 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
     walk->model = *model;
     walk->step = step;
     walk->near = 0;
-    walk->s = walk->low = 0.0;
+    walk->s = walk->low = walk->tie = 0.0;
     walk->next = 0;
     walk->knots = 0;
     walk->knot[walk->knots] = 0.0;
@@ -121,13 +121,22 @@ static void go(td_crossing_walk *walk, double reference, double rise, double kno
     walk->s = walk->low = td_level_solve(&at, walk->low, knot, value);
 }
 
+/* 1 where the signal ends or turns at a knot, at a level. It is flat there, so that no later part passes the level. */
+static int is_tie(const td_crossing_walk *walk, double knot, double residual, double threshold_on, double threshold_off) {
+    static const double flat = 16; /* [ties] change over the model at the knot's slope */
+    if (!(fabs(residual - threshold_on) < walk->tie || fabs(residual + threshold_off) < walk->tie)) return 0;
+    return fabs(td_model_slope(&walk->model, knot)) < flat * walk->tie;
+}
+
 int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_on, double threshold_off) {
     for (; walk->next < walk->knots; walk->next++) {
         double knot = walk->knot[walk->next], value = walk->value[walk->next];
         double residual = value - reference;
-        int polarity = residual >= threshold_on ? 1 : residual <= -threshold_off ? -1 : 0;
+        const double tie = is_tie(walk, knot, residual, threshold_on, threshold_off) ? walk->tie : 0;
+        const double on = threshold_on - tie, off = threshold_off - tie;
+        int polarity = residual >= on ? 1 : residual <= -off ? -1 : 0;
         if (polarity) {
-            go(walk, reference, polarity > 0 ? threshold_on : -threshold_off, knot, value);
+            go(walk, reference, polarity > 0 ? on : -off, knot, value);
             return polarity;
         }
         walk->s = walk->low = knot;

@@ -26,6 +26,7 @@ typedef struct td_crossing_walk {
     const td_step *step;
     double low; /* the last exact place, */
     int near;   /* and the number of crossings since, whose places are near only */
+    double tie; /* a signal that ends or turns so near a level, on either side, reaches it where it comes so near */
     td_crossed crossed[TD_CROSSED_MAX];
 } td_crossing_walk;
 

@@ -302,6 +302,28 @@ static void many_turn_where_each_does(void **state) {
     assert_true(turned > 5000);
 }
 
+/* A signal that comes to rest a little before or beyond a level reaches it where it comes as near as a tie. One that is as near
+ * at its end, but steep, reaches only what it passes. */
+static void ties_are_reached(void **state) {
+    (void)state;
+    const double tie = 1e-9;
+    static const double off_by[] = {0, 1e-12, -1e-12, 9e-10, -9e-10};
+    for (size_t k = 0; k < sizeof off_by / sizeof *off_by; k++) {
+        const td_model falls = td_model_fit(TIDES_MODEL_HERMITE, 1, 0.1 + off_by[k], -0.2, off_by[k], 0);
+        const td_model steep = td_model_fit(TIDES_MODEL_HERMITE, 1, 0.1 + off_by[k], -0.1, off_by[k], -0.1);
+        td_crossing_walk walk;
+        td_crossing_begin(&walk, &falls, NULL);
+        walk.tie = tie;
+        assert_int_equal(td_crossing_next(&walk, 0.2, 0.2, 0.2), -1);
+        assert_near(td_model_value(&falls, walk.s), tie, 1e-16);
+        assert_int_equal(td_crossing_next(&walk, 0, 0.2, 0.2), 0);
+        td_crossing_begin(&walk, &steep, NULL);
+        walk.tie = tie;
+        assert_int_equal(td_crossing_next(&walk, 0.2, 0.2, 0.2), off_by[k] <= 0 ? -1 : 0);
+        if (off_by[k] < 0) assert_near(td_model_value(&steep, walk.s), 0, 1e-16);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(models_meet_their_data),
@@ -319,6 +341,7 @@ int main(void) {
         cmocka_unit_test(extreme_scales),
         cmocka_unit_test(values_that_are_no_numbers_do_no_harm),
         cmocka_unit_test(many_turn_where_each_does),
+        cmocka_unit_test(ties_are_reached),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
