@@ -164,9 +164,13 @@ enum {
     BENCH_LATE     /* killed at its time limit */
 };
 typedef struct bench_ending {
-    int32_t how;    /* BENCH_RAN and others */
-    int32_t signal; /* the signal of BENCH_DIED; 0: an exit */
+    int32_t how;  /* BENCH_RAN and others */
+    int32_t died; /* of BENCH_DIED: the signal; 0 and below: an exit, with the code -died */
 } bench_ending;
+
+/* Says how a process of BENCH_DIED ended. */
+enum { BENCH_DEATH = 48 };
+void bench_say_death(int32_t died, char text[BENCH_DEATH]);
 
 /* Runs work(user, result) in a child process, for `limit_s` at most. The result comes back through a pipe, so it must have no
  * pointers. It is complete only if `ending` is BENCH_RAN. */

@@ -4,6 +4,7 @@
 #include "bench.h"
 
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -64,9 +65,16 @@ tides_status bench_child(bench *b, bench_work work, void *user, void *result, si
     }
     const int ended = wait_for(b, child, limit_s, &ending->how);
     if (ending->how == BENCH_RAN && !take_result(ends[0], result, size))
-        *ending = (bench_ending){BENCH_DIED, WIFSIGNALED(ended) ? WTERMSIG(ended) : 0};
+        *ending = (bench_ending){BENCH_DIED, WIFSIGNALED(ended) ? WTERMSIG(ended) : -WEXITSTATUS(ended)};
     close(ends[0]);
     return TIDES_OK;
+}
+
+void bench_say_death(int32_t died, char text[BENCH_DEATH]) {
+    if (died > 0)
+        snprintf(text, BENCH_DEATH, "died of signal %d", (int)died);
+    else
+        snprintf(text, BENCH_DEATH, "exited with code %d, without a result", (int)-died);
 }
 
 /* -- the device ------------------------------------------------------------------------------------------------------------ */
@@ -94,7 +102,11 @@ tides_status bench_ask_device(bench *b, tides_error *error) {
     tides_status status = bench_child(b, ask, b, &answer, sizeof answer, ASK_LIMIT_S, &ending, error);
     if (status != TIDES_OK) return status;
     if (ending.how == BENCH_STOPPED) return TIDES_CANCELLED;
-    if (ending.how != BENCH_RAN) return cli_error(error, TIDES_NO_DEVICE, "the device died when it was opened");
+    if (ending.how != BENCH_RAN) {
+        char death[BENCH_DEATH] = "no answer in time";
+        if (ending.how == BENCH_DIED) bench_say_death(ending.died, death);
+        return cli_error(error, TIDES_NO_DEVICE, "the device could not be opened in a process of its own: %s", death);
+    }
     if (answer.error.status != TIDES_OK) {
         *error = answer.error;
         return error->status;

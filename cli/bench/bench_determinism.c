@@ -41,7 +41,7 @@ static void judge(row *r, const row *first) {
     if (m->how == BENCH_LATE)
         snprintf(r->why, sizeof r->why, "no end within %.0f s", m->elapsed_s);
     else if (m->how == BENCH_DIED)
-        snprintf(r->why, sizeof r->why, "died of signal %d", (int)m->signal);
+        bench_say_death(m->died, r->why);
     else if (m->how != BENCH_RAN)
         snprintf(r->why, sizeof r->why, "%.400s", m->said);
     else if (r->way->units && r->way->units != m->units)
@@ -73,7 +73,7 @@ static tides_status make_row(bench *b, sheet *s, const row *first, row *r, tides
     if (status != TIDES_OK) return status;
     if (ending.how == BENCH_STOPPED) return TIDES_CANCELLED;
     if (ending.how != BENCH_RAN)
-        r->result = (determinism_result){.how = ending.how, .signal = ending.signal, .elapsed_s = cli_now() - began};
+        r->result = (determinism_result){.how = ending.how, .died = ending.died, .elapsed_s = cli_now() - began};
     judge(r, first);
     b->failed += !r->pass;
     bench_say(b, "%s  %-14s %-14s %.16s  %7llu events %6.2f s%s%s", r->pass ? "same" : "FAIL", r->run->name, r->way->name,

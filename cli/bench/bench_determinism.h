@@ -61,10 +61,10 @@ typedef struct determinism_job {
 /* The result goes through a pipe, so it must have no pointers. The hash is of 13 bytes per event: t [ns] in 8, x and y in 2
  * each, the polarity in 1, little-endian. */
 typedef struct determinism_result {
-    int32_t how;    /* BENCH_RAN and others */
-    int32_t signal; /* the signal of BENCH_DIED; 0: an exit */
-    int32_t units;  /* compute units of the device */
-    int32_t cuts;   /* how often the run was cut: between pieces, by saving, or by a kill */
+    int32_t how;   /* BENCH_RAN and others */
+    int32_t died;  /* as that of bench_ending */
+    int32_t units; /* compute units of the device */
+    int32_t cuts;  /* how often the run was cut: between pieces, by saving, or by a kill */
     char hash[CLI_SHA256_TEXT];
     char said[sizeof((tides_error *)0)->text]; /* the error of BENCH_REFUSED */
     uint64_t events;

@@ -72,7 +72,7 @@ static tides_status measure_row(bench *b, stability_row *row, tides_error *error
     if (ending.how != BENCH_RAN) {
         memset(r, 0, sizeof *r);
         r->how = ending.how;
-        r->signal = ending.signal;
+        r->died = ending.died;
         r->elapsed_s = cli_now() - began;
     }
     row->verdict = stability_judge(row->of, r);

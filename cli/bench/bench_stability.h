@@ -157,7 +157,7 @@ tides_status stability_front_ends(const stability_case *c, stability_world *w, t
 /* The result goes through a pipe, so it must have no pointers. */
 typedef struct stability_result {
     int32_t how;                 /* BENCH_RAN and others */
-    int32_t signal;              /* the signal of BENCH_DIED; 0: an exit */
+    int32_t died;                /* as that of bench_ending */
     int32_t same_bits;           /* device against float reference: 1 equal, 0 different, -1 not compared */
     int32_t rendered, simulated; /* 1: by the double reference too */
     int64_t gaussians, pixels;

@@ -121,7 +121,7 @@ stability_verdict stability_judge(const stability_case *c, const stability_resul
         if (r->how == BENCH_LATE)
             snprintf(v.why, sizeof v.why, "no end within %.0f s", r->elapsed_s);
         else
-            snprintf(v.why, sizeof v.why, "died of signal %d", (int)r->signal);
+            bench_say_death(r->died, v.why);
     } else if (c->refusal || r->how == BENCH_REFUSED) {
         judge_refusal(c, r, &v);
     } else {

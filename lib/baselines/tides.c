@@ -75,9 +75,10 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
     params.seed = b->params.seed;
     tides_status status = take_signal(b, Y, s->S[0], error);
     if (status != TIDES_OK) return status;
-    status = td_sensor_create(&params, TIDES_MODEL_SECANT, b->params.log_eps, b->now, b->width, &tile, 1, &s->sensor, error);
+    const td_sensor_tiles tiles = {&tile, 1, b->width};
+    status = td_sensor_create(&params, TIDES_MODEL_SECANT, b->params.log_eps, b->now, &tiles, &s->sensor, error);
     if (status != TIDES_OK) return status;
-    td_sensor_begin(&s->sensor, s->S[0]);
+    td_sensor_begin(&s->sensor, s->S[0], NULL);
     return TIDES_OK;
 }
 

@@ -1,8 +1,9 @@
 /* Saves and restores a simulator: a run cut between two steps continues as if it had never stopped, to the bit.
  *
  * The state between two steps is S and S_dot, and per pixel the initial S and the number of events; the reference follows
- * from these. Layout of the HDF5 file, version 6 (1 lacked the totals of motion; in 2 `time` was absolute; 3 lacked the
- * totals of probes; 4 had other names for some totals; 5 had fewer keys in /run_is):
+ * from these. Layout of the HDF5 file, version 7 (1 lacked the totals of motion; in 2 `time` was absolute; 3 lacked the
+ * totals of probes; 4 had other names for some totals; 5 had fewer keys in /run_is; 6 had
+ * sums of squares for the number of measured events):
  *
  *     /                    attributes  format           text    "tides-checkpoint"
  *                                      version          int     6
@@ -22,7 +23,7 @@
  *     /readout             i8                       state of the arbiter, if the run has one
  *     /filters             i8                       state of the filters, if the run has some
  *     /timing_errors       double (512)             weights of the statistics of timing errors
- *     /timing_squares      double (1)               their squares
+ *     /timing_measured     double (1)               number of measured events
  *
  * Each array is a row of the state that the simulator's parts list. Images are in image order (except the risk), so that a
  * run with other tiles can continue. All datasets are shuffled and deflated. The HDF5 file is followed by a line with its

@@ -10,7 +10,7 @@
 
 /* The version is raised when older readers would misread the file. */
 #define TD_CHECKPOINT_FORMAT "tides-checkpoint"
-enum { TD_CHECKPOINT_VERSION = 6 };
+enum { TD_CHECKPOINT_VERSION = 7 };
 
 /* -- the file -- */
 

@@ -310,12 +310,11 @@ static void find_blocks(td_candidates *candidates, const float *boxes, const flo
 
 /* -------------------------------------------------------------------------------------------------------------------------- */
 
-static void place_all(td_candidates *candidates, const float *boxes, const float *travel, const uint8_t *object_moves) {
+/* Fills the lists, and finds which tiles move. */
+static void place_all(td_candidates *candidates, const float *travel, const uint8_t *object_moves) {
     const size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
     memcpy(candidates->end, candidates->first, tiles * sizeof *candidates->end);
     for (size_t t = tiles; t < tiles + MISSING; t++) candidates->end[t] = candidates->first[tiles];
-    memset(candidates->moving_blocks, 0, tiles * sizeof *candidates->moving_blocks);
-    memset(candidates->block_travel, 0, tiles * TD_TILE_BLOCKS * sizeof *candidates->block_travel);
     for (size_t t = 0; t < tiles + MISSING; t++) candidates->travel[t] = -1;
     for (int i = 0; i < candidates->touching_count; i++) {
         const struct td_touching *touching = &candidates->touching[i];
@@ -329,7 +328,28 @@ static void place_all(td_candidates *candidates, const float *boxes, const float
         candidates->moving[t] = candidates->travel[t] >= 0;
         candidates->travel[t] = candidates->moving[t] ? candidates->travel[t] : 0;
     }
-    if (candidates->by_blocks) find_blocks(candidates, boxes, travel, object_moves);
+}
+
+/* Lists and blocks, which two threads make side by side. */
+enum { LISTS, BLOCKS, HALVES };
+
+typedef struct placing {
+    td_candidates *candidates;
+    const td_boxes *boxes;
+} placing;
+
+static void place_half(void *user, int half) {
+    const placing *of = user;
+    td_candidates *candidates = of->candidates;
+    const td_boxes *boxes = of->boxes;
+    const size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
+    if (half == LISTS) {
+        place_all(candidates, boxes->travel, boxes->object_moves);
+        return;
+    }
+    memset(candidates->moving_blocks, 0, tiles * sizeof *candidates->moving_blocks);
+    memset(candidates->block_travel, 0, tiles * TD_TILE_BLOCKS * sizeof *candidates->block_travel);
+    if (candidates->by_blocks) find_blocks(candidates, boxes->box, boxes->travel, boxes->object_moves);
 }
 
 void td_candidates_blocks_as_tiles(td_candidates *candidates) {
@@ -349,7 +369,8 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
     if (status == TIDES_OK) status = find_touches(candidates, store, boxes, error);
     if (status == TIDES_OK) status = lay_lists(candidates, error);
     if (status != TIDES_OK) return status;
-    place_all(candidates, boxes->box, boxes->travel, boxes->object_moves);
+    placing both = {candidates, boxes};
+    td_pool_run(boxes->pool, HALVES, place_half, &both);
     candidates->serial++;
     if (!candidates->instant) td_candidates_renew_hints(candidates);
     return TIDES_OK;

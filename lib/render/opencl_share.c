@@ -14,19 +14,18 @@ static void count_candidates(const td_batch *batch, int *asked) {
     for (int i = 0; i < batch->job_count; i++) asked[batch->jobs[i].slot] += batch->jobs[i].count;
 }
 
-/* 1 if projecting `rows` Gaussians once is faster than projecting `candidates`. Without SH, twice as many candidates take 0.8
- * of the time (guitar of 20 000, 346x260), and 14 times as many 0.2 (demo, 1280x720); with SH less. */
-static int pays(const opencl_backend *b, int candidates, int rows) {
-    const double from = b->image.sh_degree > 0 ? 1 : 1.5;
-    return candidates > from * rows;
-}
+/* 1 if projecting `rows` Gaussians once is faster than projecting `candidates`. Shared rows take 128 bytes each, which are
+ * written, read again by tiles, and fresh pages at first. Below twice as many candidates, frames were slower with sharing
+ * (AVX-512; 1.75 and 1.8 times as many, SH 3 and none: 1.05 and 1.03 of the time), at 2.1 times they were faster. The first
+ * 20 ms of 500 000 splats, with up to 1.8 times as many, took 110 MB more and 0.05 s. */
+static int pays(int candidates, int rows) { return candidates > 2 * (int64_t)rows; }
 
 /* Sets td_job.shared of each slot in `as`, from counts of candidates. Returns the number of shared slots, listed in `slots`. */
-static int choose(const opencl_backend *b, const td_batch *batch, int *as, int *slots) {
+static int choose(const td_batch *batch, int *as, int *slots) {
     const int rows = batch->groups->count * TD_PAD, room = rows > 0 ? ROWS_MOST / rows : 1, most = room > 1 ? room : 1;
     int count = 0;
     for (int i = 0; i < batch->slots; i++) {
-        const int shared = count < most && pays(b, as[i], rows);
+        const int shared = count < most && pays(as[i], rows);
         if (shared) slots[count++] = i;
         as[i] = shared ? count : 0;
     }
@@ -43,7 +42,7 @@ tides_status td_opencl_choose_shared(opencl_backend *b, const td_batch *batch, t
     if (status != TIDES_OK) return status;
     int *as = b->share.share_ints;
     count_candidates(batch, as);
-    s->shared = choose(b, batch, as, as + slots);
+    s->shared = choose(batch, as, as + slots);
     for (int i = 0; i < batch->job_count; i++) {
         s->jobs[i].shared = as[batch->jobs[i].slot];
         if (s->jobs[i].shared) b->base.stats.gaussians_shared += (uint64_t)batch->jobs[i].count;

@@ -4,12 +4,13 @@
 #include "td_points_direct.h"
 #include "td_points_wanted.h"
 #include "td_renderer.h"
-#include "td_wide.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { LOT = 256, LOT_SPLATS = 1 << 16 }; /* points, and splats, of one lot */
+/* Points, and splats, of one lot. On a CPU a lot of 16384 splats takes the time of four times as many, and 22 MB less; a GPU
+ * needs many splats to be busy. */
+enum { LOT = 256, LOT_SPLATS_CPU = 1 << 14, LOT_SPLATS_GPU = 1 << 16 };
 
 /* Frees the engine and arrays of a lot, without which no lot can be computed. */
 static void release_lot(td_points_direct *direct) {
@@ -32,9 +33,7 @@ void td_points_direct_release(td_points_direct *direct) {
     free(direct->lists);
     free(direct->numbers);
     free(direct->sights);
-    free(direct->near.gaussian);
-    free(direct->near.touches);
-    for (int k = 0; k < 4; k++) free(direct->near.side[k]);
+    td_points_near_release(&direct->near);
 }
 
 /* -- pixels that see a splat without a curve --------------------------------------------------------------------------- */
@@ -86,8 +85,23 @@ static tides_status create(const tides_renderer *renderer, td_points_direct *dir
     return td_points_create_engine(renderer, &image, &direct->engine, error);
 }
 
+/* Fills in what is the same in each lot: Gaussian k has row k, path k and curve k, an instant. */
+static void lay(const tides_renderer *renderer, td_points_direct *direct, int end) {
+    td_path_group *group = &direct->nodes.group;
+    for (int k = direct->laid; k < end; k++) {
+        group->first[k] = group->row[2 * k] = group->row[2 * k + 1] = direct->numbers[k] = k;
+        group->level[k] = 0;
+        group->open_at[k] = -1;
+        group->own[k] = k * TD_PATH_LEVELS;
+        direct->sights[2 * k] = TD_SIGHT_END * renderer->image.width; /* all: its list is one pixel's alone */
+        direct->sights[2 * k + 1] = TD_SIGHT_END * renderer->image.height;
+        group->length[k] = TD_POINT_INSTANT;
+    }
+    if (end > direct->laid) direct->laid = end;
+}
+
 /* Makes room for `more` Gaussians in a lot. */
-static tides_status reserve(td_points_direct *direct, int more, tides_error *error) {
+static tides_status reserve(const tides_renderer *renderer, td_points_direct *direct, int more, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
     td_path_group *group = &nodes->group;
     const size_t wanted = (size_t)group->count + (size_t)more;
@@ -105,71 +119,23 @@ static tides_status reserve(td_points_direct *direct, int more, tides_error *err
         status = td_reserve((void **)&group->length, &group->length_capacity, wanted, sizeof *group->length, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&direct->numbers, &direct->number_capacity, wanted, sizeof *direct->numbers, error);
+    if (status == TIDES_OK) lay(renderer, direct, (int)wanted);
     return status;
-}
-
-/* Takes a tile's list, with its boxes side by side, unless it is there: points of one tile mostly follow one another. In the
- * store's order each look at a box was a cache miss: half of the time of points among 500 000 splats. */
-static tides_status take_tile(td_points_direct *direct, const td_point_span *span, int tile, tides_error *error) {
-    const int first = span->first[tile], end = span->first[tile + 1];
-    const size_t most = (size_t)(end - first);
-    size_t *capacity = direct->near.capacity;
-    int count = 0;
-    if (direct->near.tile == tile) return TIDES_OK;
-    direct->near.tile = -1;
-    tides_status status = td_renew((void **)&direct->near.gaussian, &capacity[0], most, sizeof *direct->near.gaussian, error);
-    if (status == TIDES_OK)
-        status = td_renew((void **)&direct->near.touches, &capacity[1], most, sizeof *direct->near.touches, error);
-    for (int k = 0; k < 4 && status == TIDES_OK; k++)
-        status = td_renew((void **)&direct->near.side[k], &capacity[2 + k], most, sizeof **direct->near.side, error);
-    for (int i = first; i < end && status == TIDES_OK; i++) {
-        if (span->list[i] < 0) continue;
-        const float *box = span->boxes + 4 * (size_t)span->list[i];
-        direct->near.gaussian[count] = span->list[i];
-        for (int k = 0; k < 4; k++) direct->near.side[k][count] = box[k];
-        count++;
-    }
-    if (status != TIDES_OK) return status;
-    direct->near.tile = tile;
-    direct->near.count = count;
-    return status;
-}
-
-/* Finds the boxes that touch a pixel. */
-TD_WIDE static void find_touching(int count, const float *x0, const float *y0, const float *x1, const float *y1, float x,
-                                  float y, uint8_t *restrict touches) {
-    for (int i = 0; i < count; i++) touches[i] = (uint8_t)((x0[i] <= x + 1) & (x1[i] >= x) & (y0[i] <= y + 1) & (y1[i] >= y));
 }
 
 /* Adds all that point k may see, as the lot's next Gaussians, and its tile's list. */
-static tides_status add_point(const tides_renderer *renderer, td_points_direct *direct, const td_point_span *span,
-                              const td_point *point, int k, int *listed, tides_error *error) {
-    td_point_nodes *nodes = &direct->nodes;
-    td_path_group *group = &nodes->group;
-    const int tile = point->y / TD_TILE * renderer->candidates.tiles_x + point->x / TD_TILE;
+static tides_status add_point(const tides_renderer *renderer, td_points_direct *direct, const td_point *point, const int *seen,
+                              int count, int k, int *listed, tides_error *error) {
+    td_path_group *group = &direct->nodes.group;
     const int begun = *listed;
-    tides_status status = take_tile(direct, span, tile, error);
-    if (status == TIDES_OK) status = reserve(direct, direct->near.count, error);
+    tides_status status = reserve(renderer, direct, count, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&direct->lists, &direct->list_capacity, (size_t)(*listed + direct->near.count) + TD_PAD,
+        status = td_reserve((void **)&direct->lists, &direct->list_capacity, (size_t)(begun + count) + TD_PAD,
                             sizeof *direct->lists, error);
     if (status != TIDES_OK) return status;
-    float *const *side = direct->near.side;
-    find_touching(direct->near.count, side[0], side[1], side[2], side[3], (float)point->x, (float)point->y,
-                  direct->near.touches);
-    for (int i = 0; i < direct->near.count; i++) {
-        const int own = group->count;
-        if (!direct->near.touches[i]) continue;
-        group->gaussians[own] = direct->near.gaussian[i];
-        group->first[own] = group->row[2 * own] = group->row[2 * own + 1] = direct->numbers[own] = own;
-        group->level[own] = 0;
-        group->open_at[own] = -1;
-        group->own[own] = own * TD_PATH_LEVELS;
-        direct->sights[2 * own] = TD_SIGHT_END * renderer->image.width; /* all: its list is this pixel's alone */
-        direct->sights[2 * own + 1] = TD_SIGHT_END * renderer->image.height;
-        group->length[own] = TD_POINT_INSTANT;
-        direct->lists[(*listed)++] = own;
-        group->count++;
+    for (int i = 0; i < count; i++) {
+        group->gaussians[group->count] = seen[i];
+        direct->lists[(*listed)++] = group->count++;
     }
     while (*listed % TD_PAD) direct->lists[(*listed)++] = TD_NO_GAUSSIAN;
     direct->end[k] = group->count;
@@ -220,31 +186,44 @@ static tides_status work_out(tides_renderer *renderer, const tides_trajectory *c
                              int listed, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
     nodes->group.rows = nodes->group.count;
-    tides_status status = reserve(direct, points, error);
-    for (int k = nodes->group.count; k < points && status == TIDES_OK; k++)
-        direct->numbers[k] = k; /* also the numbers of tiles */
+    tides_status status = reserve(renderer, direct, points, error); /* `numbers` has the tiles' numbers, too */
     if (status == TIDES_OK) status = td_point_rows_direct(renderer, camera, nodes, direct->time, direct->end, points, error);
     return status == TIDES_OK ? look(renderer, direct, points, listed, error) : status;
+}
+
+/* Computes the first of `some`, as many as a lot holds: `taken`. seen[k] and count[k] tell what point k may see. */
+static tides_status take_lot(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,
+                             const td_points_some *some, const int *const *seen, const int *count, int *taken,
+                             tides_error *error) {
+    const int most = direct->engine->lanes > 1 ? LOT_SPLATS_CPU : LOT_SPLATS_GPU, *which = some->which;
+    tides_status status = TIDES_OK;
+    int listed = 0, k = 0;
+    direct->nodes.group.count = 0;
+    for (; k < some->count && direct->nodes.group.count < most && status == TIDES_OK; k++)
+        status = add_point(renderer, direct, &some->points[which[k]], seen[k], count[k], k, &listed, error);
+    *taken = k;
+    if (status == TIDES_OK) status = work_out(renderer, camera, direct, *taken, listed, error);
+    for (k = 0; k < *taken && status == TIDES_OK; k++)
+        status = td_point_take(&some->points[which[k]], direct->values + 2 * k, &some->values[which[k]], error);
+    return status;
 }
 
 tides_status td_points_direct_values(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,
                                      td_exact *exact, const td_point_span *span, const td_points_some *some,
                                      tides_error *error) {
-    const int count = some->count, *which = some->which;
-    tides_status status = count > 0 ? create(renderer, direct, error) : TIDES_OK;
+    const td_points_near *near = &direct->near;
+    tides_status status = some->count > 0 ? create(renderer, direct, error) : TIDES_OK;
     direct->nodes.exact = exact;
-    direct->near.tile = -1; /* lists may be of another interval */
-    for (int from = 0, taken; from < count && status == TIDES_OK; from += taken) {
-        int listed = 0;
-        direct->nodes.group.count = 0;
-        for (taken = 0; taken < LOT && from + taken < count && direct->nodes.group.count < LOT_SPLATS && status == TIDES_OK;
-             taken++)
-            status = add_point(renderer, direct, span, &some->points[which[from + taken]], taken, &listed, error);
-        if (status == TIDES_OK) status = td_renderer_check_stop(renderer, (double)from / count, error);
-        if (status == TIDES_OK) status = work_out(renderer, camera, direct, taken, listed, error);
-        for (int k = 0; k < taken && status == TIDES_OK; k++)
-            status =
-                td_point_take(&some->points[which[from + k]], direct->values + 2 * k, &some->values[which[from + k]], error);
+    for (int from = 0; from < some->count && status == TIDES_OK; from += LOT) {
+        const int next = some->count - from < LOT ? some->count - from : LOT;
+        const int *which = some->which + from;
+        status = td_points_near_find(renderer, &direct->near, span, some->points, which, next, error);
+        for (int at = 0, taken = 0; at < next && status == TIDES_OK; at += taken) {
+            const td_points_some left = {some->points, some->values, which + at, next - at};
+            status = td_renderer_check_stop(renderer, (double)(from + at) / some->count, error);
+            if (status == TIDES_OK)
+                status = take_lot(renderer, camera, direct, &left, near->seen + at, near->count + at, &taken, error);
+        }
     }
     return status;
 }

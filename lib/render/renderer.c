@@ -34,6 +34,17 @@ static tides_status check_arguments(const tides_device *device, const tides_scen
                    "tides_renderer_create: device, scene, intrinsics, params and renderer must all be given");
 }
 
+/* Makes the store, on as many threads as the device's renders may have. Hard order blends splats of equal depth in the scene's
+ * order, so the store must keep that order. */
+static tides_status make_store(tides_renderer *renderer, int fades, tides_error *error) {
+    td_pool *pool = NULL;
+    tides_status status = td_pool_create(tides_device_threads(renderer->device), &pool, error);
+    if (status != TIDES_OK) return status;
+    status = td_store_create(renderer->scene, pool, fades, renderer->image.soft_order, &renderer->store, error);
+    td_pool_release(pool);
+    return status;
+}
+
 /* Allocates arrays whose sizes follow from the store, and finds where each object begins in it. */
 static tides_status allocate(tides_renderer *renderer, tides_error *error) {
     size_t count = (size_t)renderer->store.count, objects = (size_t)renderer->store.objects;
@@ -75,9 +86,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     if (status == TIDES_OK) status = td_image_take_training(params, scene, &made->image, error);
     if (status == TIDES_OK) status = td_image_take_transfer(params, scene, &made->image, error);
     if (status == TIDES_OK) status = td_image_set_floor(scene, &made->image, error);
-    /* Hard order blends splats of equal depth in the scene's order, so the store must keep that order. */
-    if (status == TIDES_OK)
-        status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, made->image.soft_order, &made->store, error);
+    if (status == TIDES_OK) status = make_store(made, params->rules == TIDES_RULES_SMOOTH, error);
     if (status == TIDES_OK) status = td_dynamic_create(scene, &made->store, made->row_limit, &made->dynamic, error);
     if (status == TIDES_OK) status = td_strays_create(&made->store, &made->sweep.strays, error);
     if (status == TIDES_OK) status = td_clusters_create(&made->store, &made->clusters, error);

@@ -6,6 +6,7 @@
 #include "td_space_order.h"
 #include "td_launch.h"
 #include "td_renderer.h"
+#include "td_wide.h"
 
 #include <limits.h>
 #include <math.h>
@@ -30,6 +31,7 @@ typedef struct store_plan {
     uint8_t *moving; /* for every Gaussian of the scene, object by object */
     int64_t padded;
     int fades, in_space; /* arguments of td_store_create */
+    td_pool *pool;
 } store_plan;
 
 static void add_part(store_plan *plan, int object, int moving, int64_t count) {
@@ -76,25 +78,67 @@ static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *
     return TIDES_OK;
 }
 
-/* Copies a part's Gaussians to the store. Coefficients beyond the object's SH degree are zero. Gaussians that move stay
- * invisible here: their rows are computed for each time. */
-static void add_part_rows(const tides_gaussians *gaussians, const int64_t *order, const store_part *part, int number,
-                          td_store *store) {
-    int own = 3 * (gaussians->sh_degree + 1) * (gaussians->sh_degree + 1), g = part->first;
-    for (int64_t k = 0; k < part->count; k++) {
-        const int64_t i = order[k];
-        double mean[3], log_scale[3], quaternion[4];
-        widen(gaussians->mean + 3 * i, mean, 3);
-        widen(gaussians->log_scale + 3 * i, log_scale, 3);
-        widen(gaussians->quaternion + 4 * i, quaternion, 4);
-        double *row = store->geometry + (size_t)g * TD_GEOMETRY_STRIDE;
-        td_activate(mean, log_scale, quaternion, gaussians->opacity_logit[i], row);
-        if (part->moving) row[TD_G_OPACITY] = 0;
-        memcpy(store->sh + (size_t)g * store->sh_stride, gaussians->sh + i * own, own * sizeof *store->sh);
-        store->number[g++] = (int)i;
+/* The rows of a part, as the pool's threads share them. */
+typedef struct part_rows {
+    const tides_gaussians *gaussians;
+    const int64_t *order;
+    const store_part *part;
+    td_store *store;
+    int portions;
+} part_rows;
+
+/* Rows are read in the order of space, so that each is a cache miss unless it is asked for so many rows ahead. */
+enum { AHEAD = 8, FEWEST_ROWS = 4096 };
+
+static void prefetch(const tides_gaussians *gaussians, int64_t i, int own) {
+    const char *sh = (const char *)(gaussians->sh + i * own);
+    for (size_t at = 0; at < (size_t)own * sizeof *gaussians->sh; at += 64) TD_PREFETCH(sh + at);
+    TD_PREFETCH(gaussians->mean + 3 * i);
+    TD_PREFETCH(gaussians->log_scale + 3 * i);
+    TD_PREFETCH(gaussians->quaternion + 4 * i);
+}
+
+/* Copies row k of a part to the store. Coefficients beyond the object's SH degree are zero. Gaussians that move stay invisible
+ * here: their rows are computed for each time. */
+static void add_row(const part_rows *of, int64_t k, int own) {
+    const tides_gaussians *gaussians = of->gaussians;
+    td_store *store = of->store;
+    const int64_t i = of->order[k];
+    const size_t g = (size_t)(of->part->first + k), stride = (size_t)store->sh_stride;
+    double mean[3], log_scale[3], quaternion[4], *row = store->geometry + g * TD_GEOMETRY_STRIDE;
+    widen(gaussians->mean + 3 * i, mean, 3);
+    widen(gaussians->log_scale + 3 * i, log_scale, 3);
+    widen(gaussians->quaternion + 4 * i, quaternion, 4);
+    memset(row, 0, TD_GEOMETRY_STRIDE * sizeof *row);
+    td_activate(mean, log_scale, quaternion, gaussians->opacity_logit[i], row);
+    if (of->part->moving) row[TD_G_OPACITY] = 0;
+    float *sh = store->sh + g * stride;
+    memcpy(sh, gaussians->sh + i * own, (size_t)own * sizeof *sh);
+    memset(sh + own, 0, (stride - (size_t)own) * sizeof *sh);
+    store->number[g] = (int)i;
+}
+
+static void add_some(void *user, int portion) {
+    const part_rows *of = user;
+    const int own = 3 * (of->gaussians->sh_degree + 1) * (of->gaussians->sh_degree + 1), count = (int)of->part->count;
+    const int end = td_pool_begin(count, of->portions, portion + 1);
+    for (int k = td_pool_begin(count, of->portions, portion); k < end; k++) {
+        if (k + AHEAD < end) prefetch(of->gaussians, of->order[k + AHEAD], own);
+        add_row(of, k, own);
     }
-    for (int last = g - 1; g % TD_PAD; g++) store->number[g] = store->number[last];
-    for (int i = part->first; i < g; i++) store->object[i] = number;
+}
+
+/* Copies a part's Gaussians to the store, as its object `number`, and fills the part up with invisible ones. */
+static void add_part_rows(const tides_gaussians *gaussians, const int64_t *order, const store_part *part, int number,
+                          td_pool *pool, td_store *store) {
+    part_rows all = {gaussians, order, part, store, td_pool_portions(pool, (int)part->count, FEWEST_ROWS)};
+    const int last = part->first + (int)part->count, end = (last + TD_PAD - 1) / TD_PAD * TD_PAD;
+    td_pool_run(pool, all.portions, add_some, &all);
+    const size_t from = (size_t)last, more = (size_t)(end - last);
+    memset(store->geometry + from * TD_GEOMETRY_STRIDE, 0, more * TD_GEOMETRY_STRIDE * sizeof *store->geometry);
+    memset(store->sh + from * (size_t)store->sh_stride, 0, more * (size_t)store->sh_stride * sizeof *store->sh);
+    for (int g = last; g < end; g++) store->number[g] = store->number[last - 1];
+    for (int g = part->first; g < end; g++) store->object[g] = number;
 }
 
 /* Adds an object's parts, from number `first` on, and its motion. */
@@ -106,7 +150,7 @@ static tides_status add_object(const tides_scene *scene, const store_plan *plan,
     for (int p = first; p < plan->count && plan->parts[p].object == which && status == TIDES_OK; p++) {
         int64_t *order = NULL;
         status = order_part(&object.gaussians, moving, &plan->parts[p], plan->in_space, &order, error);
-        if (status == TIDES_OK) add_part_rows(&object.gaussians, order, &plan->parts[p], p, store);
+        if (status == TIDES_OK) add_part_rows(&object.gaussians, order, &plan->parts[p], p, plan->pool, store);
         free(order);
         store->scene_object[p] = which;
         store->mover[p] = -1;
@@ -122,14 +166,16 @@ static tides_status add_object(const tides_scene *scene, const store_plan *plan,
     return status == TIDES_OK ? status : td_fail_within(error, status, "motion of object %d", which);
 }
 
-/* Allocates zeros that a device may read in place: aligned to a cache line, with slack behind the end. */
+/* Allocates memory that a device may read in place: aligned to a cache line, with zeros as slack behind the end. The rest is
+ * left to those who fill it, threads side by side: half a million splats take 110 MB of fresh pages. */
 static void *allocate_shared(size_t count, size_t size, tides_error *error) {
     void *memory = NULL;
     if (count > (SIZE_MAX - TD_BUFFER_SLACK) / size || posix_memalign(&memory, 64, count * size + TD_BUFFER_SLACK) != 0) {
         td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu items of %zu bytes were asked for", count, size);
         return NULL;
     }
-    return memset(memory, 0, count * size + TD_BUFFER_SLACK);
+    memset((char *)memory + count * size, 0, TD_BUFFER_SLACK);
+    return memory;
 }
 
 static tides_status allocate(td_store *store, tides_error *error) {
@@ -168,9 +214,10 @@ static tides_status fill(const tides_scene *scene, const store_plan *plan, td_st
     return status;
 }
 
-tides_status td_store_create(const tides_scene *scene, int fades, int in_space, td_store *store, tides_error *error) {
+tides_status td_store_create(const tides_scene *scene, td_pool *pool, int fades, int in_space, td_store *store,
+                             tides_error *error) {
     td_store made = {0};
-    store_plan plan = {.fades = fades, .in_space = in_space};
+    store_plan plan = {.fades = fades, .in_space = in_space, .pool = pool};
     tides_status status = make_plan(scene, &plan, error);
     if (status == TIDES_OK) status = td_store_find_decoder(scene, &made, error);
     if (status == TIDES_OK) status = fill(scene, &plan, &made, error);

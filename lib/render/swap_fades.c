@@ -22,10 +22,11 @@ int td_swaps_is_fading(const tides_renderer *renderer, const td_swap_samples *at
     return least < image->near_full && most > image->near;
 }
 
-int td_swaps_some_fade(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at) {
+int td_swaps_some_fade(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at, int first,
+                       int end) {
     const td_image *image = &renderer->image;
     int some = 0;
     if (!(image->near_full > image->near) || !(image->cut_full > image->cut) || td_lens_model(image)) return 0;
-    for (int g = 0; g < renderer->store.count && !some; g++) some = swaps->mover[g] < 0 && td_swaps_is_fading(renderer, at, g);
+    for (int g = first; g < end && !some; g++) some = swaps->mover[g] < 0 && td_swaps_is_fading(renderer, at, g);
     return some;
 }

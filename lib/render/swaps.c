@@ -165,34 +165,63 @@ static double turned_by(const td_swap_samples *at, int object) {
     return most * td_swaps_span(at);
 }
 
-/* Finds which Gaussians may swap; returns 1 if any may. */
-static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at) {
+/* Facts that the pool's threads share while they look at all Gaussians. */
+typedef struct looking {
+    const tides_renderer *renderer;
+    struct td_swaps *swaps;
+    const td_swap_samples *at;
+    int alone; /* 1: there is one body */
+    int portions;
+    uint8_t may[TD_POOL_PORTIONS], fade[TD_POOL_PORTIONS]; /* 1 if some of the portion's Gaussians may swap; fade */
+} looking;
+
+/* Finds how a Gaussian may swap. */
+static uint8_t who_may(const looking *all, int g) {
+    const td_store *store = &all->renderer->store;
+    const struct td_swaps *swaps = all->swaps;
+    const double share = 0.5 * TD_SWAP_REACH * all->renderer->image.soft_depth; /* of two splats alike */
+    const int object = store->object[g];
+    const float *box = all->renderer->sweep.boxes + 4 * (size_t)g;
+    if (swaps->group[object] < 0 || !(box[0] <= box[2]) || (all->alone && !(swaps->turning[object] > 0)))
+        return swaps->mover[g] >= 0 ? TD_MAY_SWAP : TD_MAY_NOT;
+    const double z = td_swaps_depth(&all->at->view[object], store->geometry + (size_t)g * TD_GEOMETRY_STRIDE + TD_G_MEAN);
+    if (swaps->turning[object] * (double)swaps->extent[g] >= share * fabs(z)) return TD_MAY_ALONE;
+    const double sway = swaps->turned[object] * td_swaps_reach(all->renderer, swaps, g, z), least = share * fabs(z);
+    if (sway * TD_SWAP_SLOW_WITHIN >= least) return TD_MAY_SHORTLY;
+    return sway * TD_SWAP_SLOW >= least ? TD_MAY_SLOWLY : TD_MAY_SWAP;
+}
+
+static void look_at_some(void *user, int portion) {
+    looking *all = user;
+    const int count = all->renderer->store.count, first = td_pool_begin(count, all->portions, portion),
+              end = td_pool_begin(count, all->portions, portion + 1);
+    for (int g = first; g < end; g++) {
+        const uint8_t may = all->swaps->may[g] = who_may(all, g), least = all->alone ? TD_MAY_SLOWLY : TD_MAY_SWAP;
+        all->may[portion] |= may >= least && all->swaps->mover[g] < 0;
+    }
+    all->fade[portion] = (uint8_t)td_swaps_some_fade(all->renderer, all->swaps, all->at, first, end);
+}
+
+/* Finds which Gaussians may swap, and whether any may or fades. */
+static void find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at) {
+    enum { FEWEST = 4096 };
     const td_store *store = &renderer->store;
-    const double share = 0.5 * TD_SWAP_REACH * renderer->image.soft_depth; /* of two splats alike */
-    int moving = 2 * (swaps->moves > 0), rests = 0, any = swaps->moves > 1;
+    int moving = 2 * (swaps->moves > 0), rests = 0;
     for (int i = 0; i < store->objects; i++) {
         swaps->turning[i] = swaps->group[i] >= 0 ? turning_of(at, i) : 0;
         swaps->turned[i] = swaps->group[i] >= 0 ? turned_by(at, i) : 0;
         moving += swaps->group[i] > 0;
         rests += swaps->group[i] == 0;
     }
-    const int alone = moving + (rests > 0) < 2;
-    for (int g = 0; g < store->count; g++) {
-        const int object = store->object[g];
-        const float *box = renderer->sweep.boxes + 4 * (size_t)g;
-        swaps->may[g] = swaps->mover[g] >= 0 ? TD_MAY_SWAP : TD_MAY_NOT;
-        if (swaps->group[object] < 0 || !(box[0] <= box[2])) continue;
-        if (alone && !(swaps->turning[object] > 0)) continue;
-        const double z = td_swaps_depth(&at->view[object], store->geometry + (size_t)g * TD_GEOMETRY_STRIDE + TD_G_MEAN);
-        const int strays_far = swaps->turning[object] * (double)swaps->extent[g] >= share * fabs(z);
-        const double sway = swaps->turned[object] * td_swaps_reach(renderer, swaps, g, z), least = share * fabs(z);
-        const int turns = sway * TD_SWAP_SLOW_WITHIN >= least ? TD_MAY_SHORTLY
-                          : sway * TD_SWAP_SLOW >= least      ? TD_MAY_SLOWLY
-                                                              : TD_MAY_SWAP;
-        swaps->may[g] = (uint8_t)(strays_far ? TD_MAY_ALONE : turns);
-        any |= swaps->may[g] > TD_MAY_SWAP || !alone;
+    looking all = {renderer, swaps, at, moving + (rests > 0) < 2, td_pool_portions(renderer->pool, store->count, FEWEST),
+                   {0},      {0}};
+    td_pool_run(renderer->pool, all.portions, look_at_some, &all);
+    swaps->some_may = swaps->moves > 1;
+    swaps->some_fade = 0;
+    for (int k = 0; k < all.portions; k++) {
+        swaps->some_may |= all.may[k];
+        swaps->some_fade |= all.fade[k];
     }
-    return any;
 }
 
 /* -- the search ------------------------------------------------------------------------------------------------------------ */
@@ -298,8 +327,7 @@ tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajec
     swaps->tiles_cut = 0;
     status = td_swaps_move(renderer, swaps, &at, error);
     if (status != TIDES_OK) return status;
-    swaps->some_may = find_who_may(renderer, swaps, &at);
-    swaps->some_fade = td_swaps_some_fade(renderer, swaps, &at);
+    find_who_may(renderer, swaps, &at);
     return swaps->some_may || swaps->some_fade ? search_tiles(renderer, swaps, &at, error) : TIDES_OK;
 }
 

@@ -119,7 +119,7 @@ static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory
 /* Makes lists from the boxes, and notes which tiles move. */
 static tides_status make_lists(tides_renderer *renderer, tides_error *error) {
     const td_groups seen = td_clusters_seen(&renderer->clusters, 0, renderer->store.objects);
-    const td_boxes boxes = {renderer->sweep.boxes, renderer->sweep.travel, renderer->sweep.object_moves, &seen};
+    const td_boxes boxes = {renderer->sweep.boxes, renderer->sweep.travel, renderer->sweep.object_moves, &seen, renderer->pool};
     tides_status status = td_candidates_build(&renderer->candidates, &renderer->store, &boxes, error);
     /* the decoder's output behind all splats depends on the ray */
     const int all_moves = renderer->image.decoder && renderer->sweep.object_moves[0];

@@ -4,8 +4,7 @@
 #ifndef TD_POINTS_DIRECT_H
 #define TD_POINTS_DIRECT_H
 
-#include "td_point_nodes.h"
-#include "td_render.h"
+#include "td_points_near.h"
 
 typedef struct td_points_direct {
     td_points_engine *engine; /* NULL: not needed so far */
@@ -17,18 +16,12 @@ typedef struct td_points_direct {
     int *lists;   /* lists of the tiles */
     int *numbers; /* 0, 1, ... */
     int *sights;  /* (2 x Gaussians of the lot) the pixels that may see each */
+    int laid;     /* Gaussians for which all but nodes.group.gaussians is there: it is the same in each lot */
     td_points_tile *tiles;
     td_points_chunk *chunks;
     double *column[TD_POINT_COLUMNS], *values;
     int *piece;
-    struct {
-        int tile;         /* whose list it is; -1: none */
-        int *gaussian;    /* (count) the list without its padding, */
-        float *side[4];   /* (count) their boxes' sides, */
-        uint8_t *touches; /* (count) and 1 for those that touch the last point's pixel */
-        int count;
-        size_t capacity[6]; /* gaussian, sides, touches */
-    } near;
+    td_points_near near;
     size_t gaussian_capacity[6], list_capacity, number_capacity;
 } td_points_direct;
 

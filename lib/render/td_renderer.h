@@ -41,9 +41,10 @@ tides_status td_image_take_training(const tides_image_params *params, const tide
                                     tides_error *error);
 td_image_numbers td_image_pack(const td_image *image);
 
-/* Makes the store: the scene's Gaussians, activated, and its motions. `fades` is td_mover.fades. in_space: Gaussians at rest
- * are reordered along a space-filling curve. */
-tides_status td_store_create(const tides_scene *scene, int fades, int in_space, td_store *store, tides_error *error);
+/* Makes the store: the scene's Gaussians, activated, and its motions. `pool` (NULL: none) shares the work. `fades` is
+ * td_mover.fades. in_space: Gaussians at rest are reordered along a space-filling curve. */
+tides_status td_store_create(const tides_scene *scene, td_pool *pool, int fades, int in_space, td_store *store,
+                             tides_error *error);
 
 /* Rows of the store. */
 typedef struct td_resting {
@@ -106,11 +107,12 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
 void td_candidates_release(td_candidates *candidates);
 
 /* Boxes (count x 4) and travel (count) of the store's Gaussians, and which objects move relative to the camera (objects).
- * Only Gaussians in `groups` count; NULL: all. */
+ * Only Gaussians in `groups` count; NULL: all. `pool` (NULL: none) shares the work. */
 typedef struct td_boxes {
     const float *box, *travel;
     const uint8_t *object_moves;
     const td_groups *groups;
+    td_pool *pool;
 } td_boxes;
 
 /* Makes the lists. */

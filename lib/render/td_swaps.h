@@ -146,7 +146,8 @@ void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_
  * end. td_swaps_some_fade: 1 if any does that no motion model moves; 0 through a lens, where places aren't computed.
  * td_swaps_look_at_fade adds to those of a tile's blocks when they see such a splat pass the taper of opacity. */
 int td_swaps_is_fading(const tides_renderer *renderer, const td_swap_samples *at, int g);
-int td_swaps_some_fade(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at);
+int td_swaps_some_fade(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at, int first,
+                       int end);
 void td_swaps_look_at_fade(td_swap_tile *tile, const td_swap_splat *a);
 
 tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error);

@@ -26,12 +26,13 @@ tides_status tides_session_maps(tides_session *session, const char *path, tides_
     const tides_session_facts *facts = &session->facts;
     const int32_t width = facts->intrinsics.width, height = facts->intrinsics.height;
     const td_tile tile = {0, 0, width, width * height};
+    const td_sensor_tiles tiles = {&tile, 1, width};
     td_sensor sensor;
     td_maps maps = {.checksum = 0};
     tides_status status = td_session_apart(session, &path, 1, error);
     if (status != TIDES_OK) return status;
     status = td_sensor_create(&facts->values.sensor, TIDES_MODEL_HERMITE, facts->values.image.log_eps, facts->values.start,
-                              width, &tile, 1, &sensor, error);
+                              &tiles, &sensor, error);
     if (status != TIDES_OK) return status;
     for (int m = 0; m < TD_MAPS && status == TIDES_OK; m++)
         if (!(maps.map[m] = td_alloc(sensor.count, sizeof **maps.map, error))) status = TIDES_NO_MEMORY;

@@ -138,11 +138,12 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, double leak, size
     td_sensor_set_wake(sensor, i);
 }
 
-static void draw_pixels(td_sensor *sensor, const td_maps *maps, const td_tile *tiles, int32_t tile_count) {
+static void draw_pixels(td_sensor *sensor, const td_maps *maps, const td_sensor_tiles *tiles) {
     const double leak = 1e-9 * leak_of(&sensor->sensor);
-    for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
-        for (int32_t k = 0; k < tiles[t].count; k++) {
-            int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
+    size_t i = 0;
+    for (const td_tile *tile = tiles->tile; tile < tiles->tile + tiles->count; tile++)
+        for (int32_t k = 0; k < tile->count; k++) {
+            int32_t x = tile->x0 + k % tile->width, y = tile->y0 + k / tile->width;
             draw_pixel(sensor, maps, leak, i++, (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x);
         }
 }
@@ -204,14 +205,14 @@ static tides_status allocate_own(td_sensor *sensor, const td_maps *maps, tides_e
 
 /* Reads the file of maps, if one is named, for an image as large as the tiles. The file's name is the caller's, and isn't
  * kept. */
-static tides_status read_maps(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, td_maps *maps, tides_error *error) {
+static tides_status read_maps(td_sensor *sensor, const td_sensor_tiles *tiles, td_maps *maps, tides_error *error) {
     const char *path = sensor->sensor.maps;
     int32_t height = 0;
     sensor->sensor.maps = NULL;
     memset(maps, 0, sizeof *maps);
     if (!path) return TIDES_OK;
-    for (int32_t t = 0; t < tile_count; t++) {
-        const int32_t bottom = tiles[t].y0 + (tiles[t].count + tiles[t].width - 1) / tiles[t].width;
+    for (const td_tile *tile = tiles->tile; tile < tiles->tile + tiles->count; tile++) {
+        const int32_t bottom = tile->y0 + (tile->count + tile->width - 1) / tile->width;
         if (bottom > height) height = bottom;
     }
     const tides_status status = td_maps_read(path, sensor->image_width, height, maps, error);
@@ -248,19 +249,18 @@ static tides_status set_blocks(td_sensor *sensor, td_maps *maps, double start, t
     return TIDES_OK;
 }
 
-static tides_status make_pixels(td_sensor *sensor, const td_maps *maps, const td_tile *tiles, int32_t tile_count,
-                                tides_error *error) {
-    for (int32_t t = 0; t < tile_count; t++) sensor->count += (size_t)tiles[t].count;
+static tides_status make_pixels(td_sensor *sensor, const td_maps *maps, const td_sensor_tiles *tiles, tides_error *error) {
+    for (int32_t t = 0; t < tiles->count; t++) sensor->count += (size_t)tiles->tile[t].count;
     tides_status status = allocate(sensor, error);
     if (status == TIDES_OK && sensor->on) status = allocate_blocks(sensor, error);
     if (status == TIDES_OK && sensor->on) status = allocate_own(sensor, maps, error);
     if (status == TIDES_OK) status = td_sensor_list(sensor, error);
-    if (status == TIDES_OK && sensor->on) draw_pixels(sensor, maps, tiles, tile_count);
+    if (status == TIDES_OK && sensor->on) draw_pixels(sensor, maps, tiles);
     return status;
 }
 
-tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start, int32_t image_width,
-                              const td_tile *tiles, int32_t tile_count, td_sensor *sensor, tides_error *error) {
+tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start,
+                              const td_sensor_tiles *tiles, td_sensor *sensor, tides_error *error) {
     memset(sensor, 0, sizeof *sensor);
     sensor->sensor = *given;
     tides_status status = td_sensor_check_levels(&sensor->sensor, model, error);
@@ -268,15 +268,15 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     if (status != TIDES_OK) return status;
     sensor->model = model;
     sensor->log_eps = log_eps;
-    sensor->image_width = image_width;
+    sensor->image_width = tiles->width;
     sensor->masks = sensor->sensor.b_min > 0;
     sensor->refractory_ns = 1e9 * sensor->sensor.refractory_s;
     td_maps maps;
-    status = read_maps(sensor, tiles, tile_count, &maps, error);
+    status = read_maps(sensor, tiles, &maps, error);
     if (status == TIDES_OK) status = set_blocks(sensor, &maps, start, error);
-    if (status == TIDES_OK) status = make_pixels(sensor, &maps, tiles, tile_count, error);
+    if (status == TIDES_OK) status = make_pixels(sensor, &maps, tiles, error);
     td_maps_release(&maps);
-    if (status == TIDES_OK) status = td_sensor_draw_initial(sensor, tiles, tile_count, error);
+    if (status == TIDES_OK) status = td_sensor_draw_initial(sensor, tiles, error);
     if (status != TIDES_OK) td_sensor_release(sensor);
     return status;
 }

@@ -69,14 +69,15 @@ static int draws(const td_sensor *sensor) {
     return initial == TIDES_INITIAL_RANDOM || (initial == TIDES_INITIAL_STEADY && sensor->on);
 }
 
-tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, tides_error *error) {
+tides_status td_sensor_draw_initial(td_sensor *sensor, const td_sensor_tiles *tiles, tides_error *error) {
     if (!draws(sensor)) return TIDES_OK;
     sensor->first.draw = td_alloc(sensor->count, sizeof *sensor->first.draw, error);
     if (!sensor->first.draw) return TIDES_NO_MEMORY;
     if (sensor->additive.on) td_steady_begin(sensor);
-    for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
-        for (int32_t k = 0; k < tiles[t].count; k++, i++) {
-            const int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
+    size_t i = 0;
+    for (const td_tile *tile = tiles->tile; tile < tiles->tile + tiles->count; tile++)
+        for (int32_t k = 0; k < tile->count; k++, i++) {
+            const int32_t x = tile->x0 + k % tile->width, y = tile->y0 + k / tile->width;
             const uint32_t pixel = (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x;
             const td_random_bits bits = td_random(sensor->sensor.seed, pixel, 0, TD_RANDOM_INITIAL);
             sensor->first.draw[i] = td_random_uniform(&bits, 0);
@@ -136,25 +137,40 @@ static void find_initial(const td_sensor *sensor, size_t first, int count, const
     for (int n = 0; n < some; n++) initial[of[n]] = found[n];
 }
 
-void td_sensor_begin(td_sensor *sensor, const double *L) {
+/* Begins `count` pixels from number `first` on, at most TD_RESTED_MAX. */
+static void begin_some(const td_sensor *sensor, size_t first, int count, const double *L) {
     const td_pixels *pixels = &sensor->pixels;
-    for (size_t first = 0; first < sensor->count; first += TD_RESTED_MAX) {
-        const int count = (int)(sensor->count - first < TD_RESTED_MAX ? sensor->count - first : TD_RESTED_MAX);
-        td_initial initial[TD_RESTED_MAX];
-        double signal[TD_RESTED_MAX], noise[TD_RESTED_MAX];
-        for (int k = 0; k < count; k++) {
-            signal[k] = rest(sensor, first + (size_t)k, L[first + (size_t)k]);
-            noise[k] = sensor->additive.on ? td_sensor_noise_at(sensor, first + (size_t)k, 0) : 0;
-        }
-        find_initial(sensor, first, count, L, noise, initial);
-        for (int k = 0; k < count; k++) {
-            const size_t i = first + (size_t)k;
-            pixels->initial[i] = pixels->reference[i] = signal[k] + noise[k] - initial[k].offset;
-            pixels->count_on[i] = pixels->count_off[i] = 0;
-            if (!sensor->first.draw || !sensor->on) continue;
-            sensor->since[i] = -initial[k].age;
-            if (initial[k].held > 0) sensor->held_until[i] = initial[k].held;
-            td_sensor_set_wake(sensor, i);
-        }
+    td_initial initial[TD_RESTED_MAX];
+    double signal[TD_RESTED_MAX], noise[TD_RESTED_MAX];
+    for (int k = 0; k < count; k++) {
+        signal[k] = rest(sensor, first + (size_t)k, L[first + (size_t)k]);
+        noise[k] = sensor->additive.on ? td_sensor_noise_at(sensor, first + (size_t)k, 0) : 0;
     }
+    find_initial(sensor, first, count, L, noise, initial);
+    for (int k = 0; k < count; k++) {
+        const size_t i = first + (size_t)k;
+        pixels->initial[i] = pixels->reference[i] = signal[k] + noise[k] - initial[k].offset;
+        pixels->count_on[i] = pixels->count_off[i] = 0;
+        if (!sensor->first.draw || !sensor->on) continue;
+        sensor->since[i] = -initial[k].age;
+        if (initial[k].held > 0) sensor->held_until[i] = initial[k].held;
+        td_sensor_set_wake(sensor, i);
+    }
+}
+
+typedef struct beginning {
+    const td_sensor *sensor;
+    const double *L;
+} beginning;
+
+/* Block k of the pixels. Which pixels share a block changes none of them. */
+static void begin_block(void *user, int k) {
+    const beginning *all = user;
+    const size_t first = (size_t)k * TD_RESTED_MAX, left = all->sensor->count - first;
+    begin_some(all->sensor, first, (int)(left < TD_RESTED_MAX ? left : TD_RESTED_MAX), all->L);
+}
+
+void td_sensor_begin(td_sensor *sensor, const double *L, td_pool *pool) {
+    beginning all = {sensor, L};
+    td_pool_run(pool, (int)((sensor->count + TD_RESTED_MAX - 1) / TD_RESTED_MAX), begin_block, &all);
 }

@@ -25,6 +25,7 @@
 
 #include "signal/td_signals.h"
 #include "signal/td_step.h"
+#include "td_pool.h"
 #include "sensor/noise/td_additive_noise.h"
 #include "sensor/noise/td_kick.h"
 #include "sensor/response/td_frontend.h"
@@ -117,11 +118,15 @@ TIDES_MUST_CHECK tides_status td_sensor_check_levels(const tides_sensor *sensor,
 /* Checks the blocks' parameters, except those of filters and additive noise: TIDES_BAD_ARGUMENT naming the field. */
 TIDES_MUST_CHECK tides_status td_sensor_check(const tides_sensor *sensor, tides_error *error);
 
-/* Checks the parameters, and draws all pixels of the `tiles` (in order, one after the other) of an image `image_width` wide.
- * td_sensor_release frees. */
+/* The pixels of a sensor: those of `count` tiles, in order, of an image `width` wide. */
+typedef struct td_sensor_tiles {
+    const td_tile *tile;
+    int32_t count, width;
+} td_sensor_tiles;
+
+/* Checks the parameters, and draws all pixels of the tiles. td_sensor_release frees. */
 TIDES_MUST_CHECK tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start,
-                                               int32_t image_width, const td_tile *tiles, int32_t tile_count, td_sensor *sensor,
-                                               tides_error *error);
+                                               const td_sensor_tiles *tiles, td_sensor *sensor, tides_error *error);
 void td_sensor_release(td_sensor *sensor);
 
 /* Adds the arrays that a checkpoint holds: those of the list with a name. */
@@ -131,8 +136,8 @@ void td_sensor_state(td_sensor *sensor, td_state *state);
 void td_sensor_resume(const td_sensor *sensor);
 
 /* Begins the run: pixel i has rested at log-luminance L[i], its reference is where sensor.initial puts it, and nothing has
- * fired. */
-void td_sensor_begin(td_sensor *sensor, const double *L);
+ * fired. Pixels are shared out among the pool's threads; NULL: the caller does them all, with the same results. */
+void td_sensor_begin(td_sensor *sensor, const double *L, td_pool *pool);
 
 /* 1 where td_seen.light is read: the log-luminance, where the signal is another, decides about noise or is labelled. */
 int td_sensor_wants_light(const td_sensor *sensor);

@@ -15,7 +15,7 @@ typedef struct td_initial {
 td_initial td_sensor_initial(const td_sensor *sensor, size_t pixel, double L);
 
 /* Draws the random numbers of td_sensor_initial, when the rest of the sensor exists. */
-tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, tides_error *error);
+tides_status td_sensor_draw_initial(td_sensor *sensor, const td_sensor_tiles *tiles, tides_error *error);
 
 /* Sets the time of the pixel's next wake-up, after any of its parts changed. */
 void td_sensor_set_wake(const td_sensor *sensor, size_t pixel);

@@ -15,6 +15,8 @@ typedef struct td_sampled {
     uint64_t order;
     td_point point;
     double L, slope, bend, floor, late, length_s;
+    double rise; /* of the leak's ramp, likewise */
+    int polarity;
 } td_sampled;
 
 /* The results of a portion of the work: pixels that may do something, requested points, settled events. */
@@ -49,12 +51,10 @@ TIDES_MUST_CHECK tides_status td_solve_place(tides_simulator *s, td_solve_portio
 void td_solve_join(tides_simulator *s, const td_solve_portion *portion);
 
 /* td_solve_sample offers a settled event to the measurement, and sets its `order`. td_solve_cut keeps the events to be
- * measured, TD_CHOSEN_MOST at most (chosen.c). */
-enum { TD_CHOSEN_MOST = 256 };
-TIDES_MUST_CHECK tides_status td_solve_sample(const tides_simulator *s, td_solve_portion *portion, const td_sampled *one,
-                                              tides_error *error);
+ * measured; `before`: the run's events before this macro step (chosen.c). */
+TIDES_MUST_CHECK tides_status td_solve_sample(td_solve_portion *portion, const td_sampled *one, tides_error *error);
 
-void td_solve_cut(const tides_simulator *s, td_solve_portion *portion);
+void td_solve_cut(td_solve_portion *portion, double before);
 
 /* Joins a portion's sampled events to the run's. */
 TIDES_MUST_CHECK tides_status td_solve_join_samples(tides_simulator *s, const td_solve_portion *portion, tides_error *error);

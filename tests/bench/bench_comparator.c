@@ -44,19 +44,19 @@ static void bench_tiles(int32_t model, double rise) {
     tides_error error;
     tides_sensor_defaults(&ideal);
     if (td_step_between(0.0, 1e-3, &step, &error) != TIDES_OK ||
-        td_sensor_create(&ideal, model, 1e-3, 0, WIDTH, &tile, 1, &sensor, &error) != TIDES_OK) {
+        td_sensor_create(&ideal, model, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, WIDTH}, &sensor, &error) != TIDES_OK) {
         fprintf(stderr, "%s\n", error.text);
         exit(1);
     }
     make_tile(rise);
     double spent = 0.0, least = INFINITY; /* the fastest round: the others shared the machine */
     size_t compared = 0;
-    td_sensor_begin(&sensor, S0);
+    td_sensor_begin(&sensor, S0, NULL);
     while (spent < 0.3) {
         double lasted = 0;
         for (int repeat = 0; repeat < TILES; repeat++) {
             work.events.count = 0;
-            if (rise > 0.2) td_sensor_begin(&sensor, S0);
+            if (rise > 0.2) td_sensor_begin(&sensor, S0, NULL);
             double before = td_now();
             if (td_sensor_step(&sensor, &step, &tile, 0, &(td_seen){.signals = &signals}, &work, &error) != TIDES_OK) {
                 fprintf(stderr, "%s\n", error.text);

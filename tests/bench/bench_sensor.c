@@ -43,7 +43,7 @@ static double run(td_sensor *sensor) {
     const td_coverage cover = {coverage, coverage};
     td_work work = {.events = {0}};
     tides_error error = {TIDES_OK, ""};
-    td_sensor_begin(sensor, S);
+    td_sensor_begin(sensor, S, NULL);
     double begun = td_now();
     for (int k = 0; k < STEPS; k++) {
         td_step step;
@@ -77,7 +77,9 @@ int main(void) {
         for (int k = 0; k < BLOCKS; k++) {
             tides_sensor params = block(k, &name);
             td_sensor sensor;
-            if (td_sensor_create(&params, TIDES_MODEL_HERMITE, 1e-3, 0, WIDTH, &tile, 1, &sensor, NULL) != TIDES_OK) return 1;
+            if (td_sensor_create(&params, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, WIDTH}, &sensor,
+                                 NULL) != TIDES_OK)
+                return 1;
             took[k] = best(took[k], run(&sensor));
             td_sensor_release(&sensor);
         }

@@ -142,6 +142,13 @@ hurried() { (ulimit -t 1 && exec "$@"); }
 expect 1 hurried tides bench stability --quiet --row gaussians-1e6 -o made
 err "1 rows fail; made/stability.json says why"
 grep -q "^gaussians-1e6,.*,FAIL,died of signal" made/stability.csv || fail "a row that fails should say so"
+# A driver or an allocator may also exit: the row says with which code.
+echo 'void _exit(int); int tides_simulator_create(void) { _exit(3); }' >exits.c
+if ${CC:-cc} -shared -fPIC -o exits.so exits.c 2>compiled; then
+    preloaded() { (LD_PRELOAD=$PWD/exits.so ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 exec "$@"); }
+    expect 1 preloaded tides bench stability --quiet --row needles-1e6 -o made
+    grep -q "^needles-1e6,.*,FAIL,.*exited with code 3, without a result" made/stability.csv || fail "a row should name its exit"
+fi
 
 # One hash for each run, whatever the way; and it is that of the events of `tides simulate`.
 expect 0 tides bench determinism --quick --row solved -o made

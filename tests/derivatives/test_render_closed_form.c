@@ -62,7 +62,7 @@ static tides_scene *make_scene(int way) {
 static td_store make_store(const tides_scene *scene, int way) {
     td_store store;
     tides_error error;
-    scene_expect_ok(td_store_create(scene, 1, 0, &store, &error), &error);
+    scene_expect_ok(td_store_create(scene, NULL, 1, 0, &store, &error), &error);
     if (way != MEAN_MOVES) return store;
     store.rates = calloc((size_t)store.count * TD_GEOMETRY_STRIDE, sizeof *store.rates);
     store.sh_rates = calloc((size_t)store.count * (size_t)store.sh_stride, sizeof *store.sh_rates);

@@ -238,9 +238,11 @@ static td_event_buffer run_frames(const golden *g, const movie *m, planes *at) {
     tides_sensor_defaults(&params);
     params.threshold_on = g->on;
     params.threshold_off = g->off;
-    assert_int_equal(td_sensor_create(&params, g->model, 1e-3, 0, (int32_t)m->width, &tile, 1, &sensor, NULL), TIDES_OK);
+    assert_int_equal(td_sensor_create(&params, g->model, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, (int32_t)m->width},
+                                      &sensor, NULL),
+                     TIDES_OK);
     signal_at(m, 0, g->epsilon, at->S[0], at->S_dot[0]);
-    td_sensor_begin(&sensor, at->S[0]);
+    td_sensor_begin(&sensor, at->S[0], NULL);
     for (size_t frame = 1; frame < m->frames; frame++) {
         size_t now = frame % 2, before = 1 - now;
         td_signals signals = {at->S[before], at->S_dot[before], at->S[now], at->S_dot[now]};

@@ -113,7 +113,8 @@ static trial_result run_one(const char *kind, unsigned long long seed, double sh
  * between samples (stops 2003). A splat that swings between keyframes of one place (stops 1103). A kink in a piece that seemed
  * smooth, by 1.16 of what its probe saw (harmonics 1110); one after a look that found little by chance (near 1110); kinks 60
  * ns behind a look (lights 1113); a level touched 0.6 ms before a flat crossing (near 2002). Splines that swing between equal
- * frames, of which the oracle didn't know that they are calmed (stops 3005). */
+ * frames, of which the oracle didn't know that they are calmed (stops 3005). Reported p99 that were too small: a slope that was
+ * the model's alone (leap 402), and a sample of 512 events, all of them better than that (stack 1104). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;
@@ -129,13 +130,14 @@ static void test_mended(void **state) {
                   {"stack", 102, 0.25, 300, 0},     {"stops", 1108, 1, 7000, 0},  {"near", 402, 1, 70000, 0},
                   {"leap", 2012, 1, 17000, 0},      {"stops", 2003, 1, 3000, 0},  {"stops", 1103, 1, 4500, 0},
                   {"harmonics", 1110, 1, 11000, 0}, {"near", 1110, 1, 12000, 0},  {"lights", 1113, 1, 85000, 0},
-                  {"near", 2002, 1, 9000, 0},       {"stops", 3005, 1, 4500, 0}};
+                  {"near", 2002, 1, 9000, 0},       {"stops", 3005, 1, 4500, 0},  {"leap", 402, 0.3, 80, 0},
+                  {"stack", 1104, 1, 17000, 0}};
     (void)state;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         const trial_result result = run_one(scenes[i].kind, scenes[i].seed, scenes[i].share, scenes[i].coded);
         assert_true(result.v.events > scenes[i].events);
         assert_int_equal(result.v.lost + result.v.false_ones, 0);
-        if (scenes[i].share < SHARE) assert_int_equal(verdict_dishonest(&result.v), 0);
+        assert_int_equal(verdict_dishonest(&result.v), 0);
     }
 }
 

@@ -51,6 +51,9 @@ static void same(const stream *a, const stream *b, const char *what) {
     for (size_t i = 0; i < a->count; i++)
         if (memcmp(&a->events[i], &b->events[i], sizeof *a->events) != 0)
             fail_msg("%s: event %zu of %zu differs", what, i, a->count);
+    if (a->stats.error_p50_s != b->stats.error_p50_s || a->stats.error_p95_s != b->stats.error_p95_s ||
+        a->stats.error_p99_s != b->stats.error_p99_s)
+        fail_msg("%s: reported errors differ", what);
 }
 
 /* One object at rest, in a run that begins at `start`. */

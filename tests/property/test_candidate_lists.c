@@ -159,7 +159,7 @@ static void test_lists_are_those_of_the_definition(void **state) {
             const td_store store = {.count = b.count, .objects = b.objects, .object = b.object};
             made.by_blocks = b.by_blocks;
             const td_groups some = {b.groups, b.group_count};
-            const td_boxes of = {b.box, b.travel, b.moves, b.some ? &some : NULL};
+            const td_boxes of = {b.box, b.travel, b.moves, b.some ? &some : NULL, NULL};
             if (td_candidates_build(&made, &store, &of, &error) != TIDES_OK) fail_msg("%s", error.text);
             expect_lists(&made, &b, trial);
             make_boxes(&b, &random);

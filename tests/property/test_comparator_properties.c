@@ -63,7 +63,8 @@ static rig *new_rig(int32_t model, double on, double off) {
     sensor.threshold_on = on;
     sensor.threshold_off = off;
     sensor.max_events_per_step = 1000;
-    assert_int_equal(td_sensor_create(&sensor, model, 1e-3, 0, 16, &tile, 1, &r->sensor, NULL), TIDES_OK);
+    assert_int_equal(td_sensor_create(&sensor, model, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, 16}, &r->sensor, NULL),
+                     TIDES_OK);
     return r;
 }
 
@@ -74,7 +75,7 @@ static void free_rig(rig *r) {
 }
 
 static void reset(rig *r) {
-    td_sensor_begin(&r->sensor, r->S0);
+    td_sensor_begin(&r->sensor, r->S0, NULL);
     r->work.events.count = 0;
     memset(&r->work.counts, 0, sizeof r->work.counts);
 }

@@ -57,6 +57,7 @@ static stream run_known(const tides_session *session, const told *all) {
                     &error);
     scene_expect_ok(tides_simulator_readout(simulator, &v->readout, &error), &error);
     scene_expect_ok(tides_simulator_run(simulator, v->stop + 1e-12, collect, &s, NULL, NULL, &error), &error);
+    tides_simulator_stats(simulator, &s.stats);
     tides_simulator_destroy(simulator);
     tides_trajectory_destroy(camera);
     tides_scene_destroy(scene);
@@ -108,6 +109,7 @@ static stream run_told(tides_session *session, const told *all, int ahead) {
         for (size_t i = 0; i < count; i++) assert_true(events[i].t <= (int64_t)(until * 1e9));
         collect(&s, events, count);
     }
+    tides_simulator_stats(tides_live_simulator(live), &s.stats);
     tides_live_close(live);
     return s;
 }

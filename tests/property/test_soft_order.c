@@ -129,7 +129,7 @@ static double *render(const splat *splats, int count, double time, int order) {
     tides_error error;
     assert_non_null(views);
     scene_expect_ok(tides_trajectory_create_static(position, quaternion, &camera, &error), &error);
-    scene_expect_ok(td_store_create(scene, 1, 0, &store, &error), &error);
+    scene_expect_ok(td_store_create(scene, NULL, 1, 0, &store, &error), &error);
     scene_expect_ok(td_views_at(scene, camera, 0, time, views, &error), &error);
     scene_expect_ok(td_backend_create_f64(&store, &numbers, &backend, &error), &error);
     frame_input input = {&store, &numbers, (const double *)views, (const double *)&backdrop, WIDTH, HEIGHT, TD_OUT_COLOUR};

@@ -166,7 +166,7 @@ static void activate_at(const random_scene *s, int gaussian, double time, double
 td_store random_scene_store(const random_scene *scene, double time) {
     td_store store = {0};
     tides_error error;
-    scene_expect_ok(td_store_create(scene->scene, 1, 0, &store, &error), &error); /* places, padding */
+    scene_expect_ok(td_store_create(scene->scene, NULL, 1, 0, &store, &error), &error); /* places, padding */
     if (!scene->recipe.moving) return store;
     size_t count = (size_t)store.count;
     free(store.sh);

@@ -60,11 +60,11 @@ static inline rig *rig_make(const tides_sensor *sensor, int tiles, double start,
     r->signal = signal;
     r->user = user;
     tides_error error = {TIDES_OK, ""};
-    if (td_sensor_create(sensor, TIDES_MODEL_HERMITE, 1e-3, start, tiles * RIG_WIDTH, r->tile, tiles, &r->sensor, &error) !=
-        TIDES_OK)
+    if (td_sensor_create(sensor, TIDES_MODEL_HERMITE, 1e-3, start, &(const td_sensor_tiles){r->tile, tiles, tiles * RIG_WIDTH},
+                         &r->sensor, &error) != TIDES_OK)
         fail_msg("%s", error.text);
     rig_sample(r, start, 0);
-    td_sensor_begin(&r->sensor, r->plane[0]);
+    td_sensor_begin(&r->sensor, r->plane[0], NULL);
     return r;
 }
 

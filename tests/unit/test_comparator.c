@@ -32,7 +32,9 @@ static rig *new_rig(int32_t model, double on, double off, td_tile tile) {
     sensor.threshold_on = on;
     sensor.threshold_off = off;
     r->tile = tile;
-    assert_int_equal(td_sensor_create(&sensor, model, 1e-3, 0, tile.x0 + tile.width, &tile, 1, &r->sensor, NULL), TIDES_OK);
+    assert_int_equal(td_sensor_create(&sensor, model, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, tile.x0 + tile.width},
+                                      &r->sensor, NULL),
+                     TIDES_OK);
     assert_false(r->sensor.on);
     return r;
 }
@@ -43,7 +45,7 @@ static void free_rig(rig *r) {
     free(r);
 }
 
-static void reset(rig *r) { td_sensor_begin(&r->sensor, r->S0); }
+static void reset(rig *r) { td_sensor_begin(&r->sensor, r->S0, NULL); }
 
 static tides_status advance(rig *r, const td_step *step) {
     td_signals signals = {r->S0, r->S0_dot, r->S1, r->S1_dot};

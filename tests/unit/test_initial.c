@@ -116,7 +116,9 @@ static void test_refused(void **state) {
     const td_tile tile = {0, 0, 16, 256};
     tides_sensor_defaults(&sensor);
     sensor.initial = 3;
-    assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, 16, &tile, 1, &made, &error), TIDES_BAD_ARGUMENT);
+    assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, 16}, &made,
+                                      &error),
+                     TIDES_BAD_ARGUMENT);
 }
 
 int main(void) {

@@ -306,13 +306,17 @@ static void refused(void **state) {
         assert_int_equal(status, absent ? TIDES_FILE_NOT_FOUND : i == 8 ? TIDES_BAD_ARGUMENT : TIDES_BAD_FILE);
         assert_non_null(strstr(error.text, absent ? "/nowhere/times" : files[i].said));
         assert_null(kick.listed);
+        s.kick = 0; /* the file is checked whether or not kicks are on; off, its times are compared with nothing */
+        assert_int_equal(td_kick_make(&s, 0, &kick, &error), i == 8 ? TIDES_OK : status);
+        assert_null(kick.listed);
     }
     tides_sensor s = kicked(0.04);
     td_sensor sensor;
     const td_tile tile = {0, 0, 1, 1};
     tides_error error = {TIDES_OK, ""};
     s.bandwidth = TIDES_BANDWIDTH_CIRCUIT;
-    assert_int_equal(td_sensor_create(&s, TIDES_MODEL_HERMITE, 1e-3, 0, 1, &tile, 1, &sensor, &error), TIDES_UNSUPPORTED);
+    assert_int_equal(td_sensor_create(&s, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, 1}, &sensor, &error),
+                     TIDES_UNSUPPORTED);
     assert_non_null(strstr(error.text, "kick"));
 }
 

@@ -218,7 +218,9 @@ static void test_refused(void **state) {
     const tides_sensor sensor = noisy("/nowhere/maps.h5");
     const td_tile tile = {0, 0, WIDTH, COUNT};
     td_sensor made;
-    assert_int_not_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, WIDTH, &tile, 1, &made, &error), TIDES_OK);
+    assert_int_not_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, WIDTH},
+                                          &made, &error),
+                         TIDES_OK);
 }
 
 int main(void) {

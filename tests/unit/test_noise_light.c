@@ -261,7 +261,8 @@ static void test_refused(void **state) {
         if (i == 4) sensor.highpass_hz = 1;
         if (i == 5) sensor.noise_sigma = NAN;
         if (i == 6) sensor.photoreceptor_cutoff_hz = 1e8;
-        const tides_status status = td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, 16, &tile, 1, &made, &error);
+        const tides_status status =
+            td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, 16}, &made, &error);
         assert_int_equal(status, i == 3 || i == 4 ? TIDES_UNSUPPORTED : TIDES_BAD_ARGUMENT);
         assert_non_null(strstr(error.text, said[i]));
     }

@@ -105,7 +105,8 @@ static void test_refused(void **state) {
         if (i == 0) sensor.threshold_parity = 1;
         if (i == 1) sensor.temperature_c = NAN;
         if (i == 2) sensor.leak_hz_per_a = -1;
-        assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, 16, &tile, 1, &made, &error),
+        assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){&tile, 1, 16}, &made,
+                                          &error),
                          TIDES_BAD_ARGUMENT);
         assert_non_null(strstr(error.text, i == 0 ? "parity" : i == 1 ? "temperature" : "leak_hz_per_a"));
     }

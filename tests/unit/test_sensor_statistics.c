@@ -294,10 +294,13 @@ static void test_pixels_are_the_image_s(void **state) {
     td_tile small[8];
     for (int t = 0; t < 8; t++) small[t] = (td_tile){t % 4 * 8, t / 4 * 8, 8, 64};
     td_sensor a, b, c;
-    assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, 32, wide, 1, &a, NULL), TIDES_OK);
-    assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, 32, small, 8, &b, NULL), TIDES_OK);
+    assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){wide, 1, 32}, &a, NULL),
+                     TIDES_OK);
+    assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){small, 8, 32}, &b, NULL),
+                     TIDES_OK);
     sensor.seed++;
-    assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, 32, wide, 1, &c, NULL), TIDES_OK);
+    assert_int_equal(td_sensor_create(&sensor, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){wide, 1, 32}, &c, NULL),
+                     TIDES_OK);
     for (int t = 0; t < 8; t++)
         for (int i = 0; i < 64; i++) {
             int from = (small[t].y0 + i / 8) * 32 + small[t].x0 + i % 8, to = 64 * t + i;

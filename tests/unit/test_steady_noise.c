@@ -66,7 +66,39 @@ static void test_noisy(void **state) {
     }
 }
 
+/* References are the same to the bit however many threads share the pixels, and whichever pixels share a block. */
+static void test_shared(void **state) {
+    (void)state;
+    tides_sensor sensor;
+    tides_sensor_defaults(&sensor);
+    sensor.noise_rms = 0.05;
+    sensor.noise_sigma = 0.1;
+    sensor.noise_cutoff_hz = 20;
+    sensor.refractory_s = 1e-3;
+    sensor.initial = TIDES_INITIAL_STEADY;
+    sensor.seed = 8103;
+    rig *r = rig_make(&sensor, TILES + 1, 3, still, NULL), *few = rig_make(&sensor, 1, 3, still, NULL);
+    double *reference = rig_alloc(2 * r->pixels, sizeof *reference), *since = reference + r->pixels;
+    for (size_t i = 0; i < r->pixels; i++) {
+        reference[i] = r->sensor.pixels.reference[i];
+        since[i] = r->sensor.since[i];
+        r->sensor.pixels.reference[i] = r->sensor.since[i] = NAN;
+    }
+    td_pool *pool = NULL;
+    assert_int_equal(td_pool_create(3, &pool, NULL), TIDES_OK);
+    td_sensor_begin(&r->sensor, r->plane[0], pool);
+    for (size_t i = 0; i < r->pixels; i++) {
+        assert_true(r->sensor.pixels.reference[i] == reference[i]);
+        assert_true(r->sensor.since[i] == since[i]);
+    }
+    for (size_t i = 0; i < RIG_WIDTH; i++) assert_true(few->sensor.pixels.reference[i] == reference[i]);
+    td_pool_release(pool);
+    free(reference);
+    rig_free(few);
+    rig_free(r);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_noisy)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_noisy), cmocka_unit_test(test_shared)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

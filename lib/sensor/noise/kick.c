@@ -102,7 +102,8 @@ static double shortest_period(const td_kick *kick) {
 tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, tides_error *error) {
     *kick = (td_kick){.on = s->kick != 0, .size = s->kick};
     tides_status status = td_kick_check(s, error);
-    if (status == TIDES_OK && kick->on && s->kick_times) status = read_times(kick, s->kick_times, error);
+    if (status == TIDES_OK && s->kick_times) status = read_times(kick, s->kick_times, error);
+    if (!kick->on) td_kick_release(kick); /* a file that can't be read is refused even where nothing comes of it */
     if (status == TIDES_OK) status = td_kick_begin(kick, s, start, error);
     if (status != TIDES_OK) td_kick_release(kick);
     return status;

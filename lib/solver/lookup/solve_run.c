@@ -244,8 +244,10 @@ static tides_status sample(const td_visit *v, int n, double late, tides_error *e
                             .bend = v->worth[n].bend,
                             .floor = v->model.floor,
                             .late = late,
-                            .length_s = v->now->span.length_s};
-    return td_solve_sample(v->s, &v->portion->solve, &one, error);
+                            .length_s = v->now->span.length_s,
+                            .rise = change->polarity * (ramp_at(v, 1) - ramp_at(v, 0)),
+                            .polarity = change->polarity};
+    return td_solve_sample(&v->portion->solve, &one, error);
 }
 
 /* 1 where an error of the model may undo the event. */

@@ -232,9 +232,8 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (status == TIDES_OK) take_parameters(s, sensor, stepping);
     if (status == TIDES_OK) status = lay_out(s, intrinsics, error);
     if (status == TIDES_OK) status = prepare(s, sensor, error);
-    if (status == TIDES_OK)
-        status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->layout.width, s->layout.unit, s->layout.units,
-                                  &s->sensor, error);
+    const td_sensor_tiles tiles = {s->layout.unit, s->layout.units, s->layout.width};
+    if (status == TIDES_OK) status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, &tiles, &s->sensor, error);
     s->sensor.start.ns += s->grid.epoch_ns;
     if (status == TIDES_OK) status = td_kick_begin(&s->sensor.kick, sensor, s->epoch, error);
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);

@@ -103,7 +103,7 @@ tides_status td_begin(tides_simulator *s, tides_error *error) {
     if (status == TIDES_OK) status = render_first(s, error);
     if (status != TIDES_OK) return status;
     td_surround_steps_begin(s);
-    td_sensor_begin(&s->sensor, td_seen_now(s));
+    td_sensor_begin(&s->sensor, td_seen_now(s), s->sharing.pool);
     s->started = 1;
     return TIDES_OK;
 }

@@ -20,7 +20,7 @@ void td_simulator_state(tides_simulator *s, td_state *state) {
     td_state_add(state, "tile_risk", TD_STATE_REAL, TD_STATE_PLAIN, (size_t)s->layout.units, s->unit_risk);
     td_state_add(state, "solve_known", TD_STATE_REAL, TD_STATE_PIXELS, pixels, s->solve.known);
     td_state_add(state, "timing_errors", TD_STATE_REAL, TD_STATE_PLAIN, TD_TIMING_BINS, s->done.timing.weight);
-    td_state_add(state, "timing_squares", TD_STATE_REAL, TD_STATE_PLAIN, 1, &s->done.timing.squares);
+    td_state_add(state, "timing_measured", TD_STATE_REAL, TD_STATE_PLAIN, 1, &s->done.timing.measured);
     const tides_filter *filter = s->filters.filter;
     td_state_add(state, "filters", TD_STATE_WHOLE, TD_STATE_PLAIN, filter ? filter->count : 0, filter ? filter->state : NULL);
     td_sensor_state(&s->sensor, state);

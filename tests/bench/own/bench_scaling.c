@@ -55,8 +55,11 @@ static tides_status measure_point(bench *b, const scaling_axis *axis, double x, 
     if (ending.how == BENCH_STOPPED) return cli_error(error, TIDES_CANCELLED, "stopped on request");
     if (ending.how == BENCH_LATE)
         return cli_error(error, TIDES_CANCELLED, "%s %g: took longer than %g s", axis->name, x, LIMIT_S);
-    if (ending.how != BENCH_RAN)
-        return cli_error(error, TIDES_BAD_ARGUMENT, "%s %g: died of signal %d", axis->name, x, (int)ending.signal);
+    if (ending.how != BENCH_RAN) {
+        char death[BENCH_DEATH];
+        bench_say_death(ending.died, death);
+        return cli_error(error, TIDES_BAD_ARGUMENT, "%s %g: %s", axis->name, x, death);
+    }
     if (r->failed) return cli_error(error, TIDES_BAD_ARGUMENT, "%s %g: %s", axis->name, x, r->said);
     bench_say(b, "%-13s %9.6g %-14s %9.4g s %9.4g s of processors  %9.6g events %8.4g renders  %6.4g MB", axis->name, r->x,
               axis->unit, r->time_s, r->processor_s, (double)r->stats.events, r->stats.renders_full_frame_equivalent,
