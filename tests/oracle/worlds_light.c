@@ -139,42 +139,6 @@ void oracle_fade(oracle_scene *s, parts_seed *seed) {
     if (parts_one_of(seed, 4) == 0) oracle_object_add(parts_object(s), &wall);
 }
 
-/* Range of number k over samples [from, to). */
-static void range_of(const oracle_curve *c, int k, int from, int to, double *low, double *high) {
-    *low = INFINITY;
-    *high = -INFINITY;
-    for (int i = from < 0 ? 0 : from; i < to && i < c->count; i++) {
-        *low = fmin(*low, c->value[i * c->width + k]);
-        *high = fmax(*high, c->value[i * c->width + k]);
-    }
-}
-
-/* 1 where segment i leaves the range of the samples around it by that range, and by a hundredth of all samples'. The library
- * makes such a segment calmer (lib/camera/curve_calm.c), and the oracle doesn't. Samples are rounded afterwards, so that a
- * little less is too far. */
-static int swings(const oracle_curve *c, int i, int k) {
-    enum { AROUND = 4, PLACES = 16 };
-    double low, high, least, most, x;
-    range_of(c, k, i + 1 - AROUND, i + 1 + AROUND, &low, &high);
-    range_of(c, k, 0, c->count, &least, &most);
-    const double slack = 0.95 * fmax(high - low, 0.01 * (most - least));
-    for (int j = 1; j < PLACES; j++) {
-        const oracle_place place = oracle_curve_find(c, c->time[i] + (c->time[i + 1] - c->time[i]) * j / PLACES);
-        oracle_curve_at(c, &place, k, 1, &x);
-        if (x < low - slack || x > high + slack) return 1;
-    }
-    return 0;
-}
-
-/* Makes a spline that swings one by Catmull and Rom. */
-static void keep_calm(oracle_curve *c) {
-    int any = 0;
-    oracle_curve_finish(c);
-    for (int i = 0; i + 1 < c->count; i++)
-        for (int k = 0; k < c->width && c->law == ORACLE_SPLINE; k++) any |= swings(c, i, k);
-    if (any) c->law = ORACLE_CATMULL_ROM;
-}
-
 /* Keyframed places that rest, start, and stop. */
 void oracle_stops(oracle_scene *s, parts_seed *seed) {
     static const double half[3] = {0.7, 0.5, 0.4}, wide[3] = {1.2, 0.9, 0.2};
@@ -194,7 +158,6 @@ void oracle_stops(oracle_scene *s, parts_seed *seed) {
             for (int k = 0; k < 3 && !rests; k++) gone[k] += parts_between(seed, -0.05, 0.05);
         }
     }
-    keep_calm(&o->keys);
     s->background = 0.1;
 }
 
