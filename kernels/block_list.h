@@ -103,8 +103,8 @@ TD_INLINE void td_finder_start(const td_list *list, int block, td_finder *finder
 TD_INLINE void td_find_more(const td_list *list, const td_image *image, int block, td_finder *finder) {
     int left = finder->end - finder->begin, end = left;
     for (int k = 0; k < TD_GROUP; k += TD_LANES) {
-        td_index_lanes(td_collect_ints(finder->place + finder->begin + k), finder->place + k);
-        td_index_lanes(td_collect_ints(finder->row + finder->begin + k), finder->row + k);
+        td_spread_ints(td_collect_ints(finder->place + finder->begin + k), finder->place + k);
+        td_spread_ints(td_collect_ints(finder->row + finder->begin + k), finder->row + k);
     }
     for (; end < TD_FOUND && finder->at < finder->words; finder->at += 2)
         end += td_put_places(td_words_at(list->words, finder->at, finder->words, block), TD_WORD_PLACES * finder->at,

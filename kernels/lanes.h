@@ -43,8 +43,8 @@ typedef TD_VECTOR(double) td_lanes;
 typedef int td_mask;
 #else
 typedef TD_VECTOR(long) td_mask;
-#define td_widen(ints) TD_VECTOR(convert_long)(ints)
-#define td_narrow(index) TD_VECTOR(convert_int)(index)
+#define td_widen_ints(ints) TD_VECTOR(convert_long)(ints)
+#define td_narrow_ints(index) TD_VECTOR(convert_int)(index)
 #define td_mask_to_real(m) TD_VECTOR(convert_double)(-(m))
 #endif
 #else
@@ -53,8 +53,6 @@ typedef TD_VECTOR(float) td_lanes;
 typedef TD_VECTOR(int) td_mask;
 #define td_bits(x) TD_VECTOR(as_int)(x)
 #define td_from_bits(x) TD_VECTOR(as_float)(x)
-#define td_widen(ints) (ints)
-#define td_narrow(index) (index)
 #if TD_LANES > 1
 #define td_mask_to_real(m) TD_VECTOR(convert_float)(-(m))
 #endif
@@ -174,105 +172,36 @@ TD_INLINE td_index td_count_from(int first) {
 /* The larger of an index and 0. */
 TD_INLINE td_index td_not_below_0(td_index i) { return i & ~(i >> 31); }
 
-/* TD_LANES neighbours of an int or real array. */
-TD_INLINE td_index td_load_ints(TD_GLOBAL const int *array) {
-#if TD_LANES == 16
-    return td_widen(vload16(0, array));
-#elif TD_LANES == 8
-    return td_widen(vload8(0, array));
-#elif TD_LANES == 4
-    return td_widen(vload4(0, array));
-#else
-    return array[0];
+/* Indices are as wide as reals, arrays of them are of ints. */
+#ifndef td_widen_ints
+#define td_widen_ints(ints) (ints)
+#define td_narrow_ints(index) (index)
 #endif
-}
-TD_INLINE void td_store_ints(TD_GLOBAL int *array, td_index value) {
-#if TD_LANES == 16
-    vstore16(td_narrow(value), 0, array);
-#elif TD_LANES == 8
-    vstore8(td_narrow(value), 0, array);
-#elif TD_LANES == 4
-    vstore4(td_narrow(value), 0, array);
-#else
-    array[0] = value;
-#endif
-}
 
-/* TD_LANES neighbours of an array of reals. */
-TD_INLINE td_lanes td_load_lanes(TD_GLOBAL const td_real *array) {
-#if TD_LANES == 16
-    return vload16(0, array);
-#elif TD_LANES == 8
-    return vload8(0, array);
-#elif TD_LANES == 4
-    return vload4(0, array);
+/* TD_LANES neighbours of an array, in any address space, as a vector; and back. */
+#if TD_LANES == 1
+#define TD_LOAD_VECTOR(array) ((array)[0])
+#define TD_STORE_VECTOR(value, array) ((array)[0] = (value))
 #else
-    return array[0];
+#define TD_LOAD_VECTOR(array) TD_VECTOR(vload)(0, array)
+#define TD_STORE_VECTOR(value, array) TD_VECTOR(vstore)(value, 0, array)
 #endif
-}
 
+TD_INLINE td_index td_load_ints(TD_GLOBAL const int *array) { return td_widen_ints(TD_LOAD_VECTOR(array)); }
+TD_INLINE void td_store_ints(TD_GLOBAL int *array, td_index value) { TD_STORE_VECTOR(td_narrow_ints(value), array); }
+TD_INLINE td_lanes td_load_lanes(TD_GLOBAL const td_real *array) { return TD_LOAD_VECTOR(array); }
+TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) { TD_STORE_VECTOR(value, plane); }
 #if defined(TD_REAL_DOUBLE) && TD_LANES > 1
 /* Loads TD_LANES values of an array of floats, widened. */
-TD_INLINE td_lanes td_load_floats(TD_GLOBAL const float *array) {
-#if TD_LANES == 16
-    return convert_double16(vload16(0, array));
-#elif TD_LANES == 8
-    return convert_double8(vload8(0, array));
-#else
-    return convert_double4(vload4(0, array));
+TD_INLINE td_lanes td_load_floats(TD_GLOBAL const float *array) { return TD_VECTOR(convert_double)(TD_LOAD_VECTOR(array)); }
 #endif
-}
-#endif
-
-/* Stores TD_LANES neighbours in a plane. */
-TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) {
-#if TD_LANES == 16
-    vstore16(value, 0, plane);
-#elif TD_LANES == 8
-    vstore8(value, 0, plane);
-#elif TD_LANES == 4
-    vstore4(value, 0, plane);
-#else
-    plane[0] = value;
-#endif
-}
 
 /* Writes the lanes into an array of the work-item, one by one; td_collect loads them. */
-TD_INLINE void td_spread(td_lanes value, td_real lane[TD_LANES]) {
-#if TD_LANES == 16
-    vstore16(value, 0, lane);
-#elif TD_LANES == 8
-    vstore8(value, 0, lane);
-#elif TD_LANES == 4
-    vstore4(value, 0, lane);
-#else
-    lane[0] = value;
-#endif
-}
-TD_INLINE td_lanes td_collect(const td_real lane[TD_LANES]) {
-#if TD_LANES == 16
-    return vload16(0, lane);
-#elif TD_LANES == 8
-    return vload8(0, lane);
-#elif TD_LANES == 4
-    return vload4(0, lane);
-#else
-    return lane[0];
-#endif
-}
-
-/* TD_LANES ints of an array of the work-item. */
-TD_INLINE td_index td_collect_ints(const int lane[TD_LANES]) {
-#if TD_LANES == 16
-    return td_widen(vload16(0, lane));
-#elif TD_LANES == 8
-    return td_widen(vload8(0, lane));
-#elif TD_LANES == 4
-    return td_widen(vload4(0, lane));
-#else
-    return lane[0];
-#endif
-}
+TD_INLINE void td_spread(td_lanes value, td_real lane[TD_LANES]) { TD_STORE_VECTOR(value, lane); }
+TD_INLINE td_lanes td_collect(const td_real lane[TD_LANES]) { return TD_LOAD_VECTOR(lane); }
+/* td_spread and td_collect for an array of ints. */
+TD_INLINE void td_spread_ints(td_index value, int lane[TD_LANES]) { TD_STORE_VECTOR(td_narrow_ints(value), lane); }
+TD_INLINE td_index td_collect_ints(const int lane[TD_LANES]) { return td_widen_ints(TD_LOAD_VECTOR(lane)); }
 
 /* Splits TD_LANES pairs into their first and their second values. */
 TD_INLINE void td_collect_pairs(const td_real *pair, td_lanes *first, td_lanes *second) {
@@ -293,13 +222,7 @@ TD_INLINE void td_scatter(TD_GLOBAL td_real *records, int stride, int k, td_lane
     records[k] = value;
 #else
     td_real lane[TD_LANES];
-#if TD_LANES == 16
-    vstore16(value, 0, lane);
-#elif TD_LANES == 8
-    vstore8(value, 0, lane);
-#else
-    vstore4(value, 0, lane);
-#endif
+    td_spread(value, lane);
     for (int i = 0; i < TD_LANES; i++) records[i * stride + k] = lane[i];
 #endif
 }

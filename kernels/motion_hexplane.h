@@ -111,7 +111,7 @@ TD_INLINE void td_hexplane_grid(TD_GLOBAL const td_mover *mover, TD_GLOBAL const
     level.row = (int)moment[TD_HEXPLANE_ROW];
     level.fraction = moment[TD_HEXPLANE_FRACTION];
     level.fraction_dot = moment[TD_HEXPLANE_FRACTION_DOT];
-    td_index_lanes(gaussian, lane);
+    td_spread_ints(gaussian, lane);
     for (int l = 0; l < mover->own[TD_HEXPLANE_LEVELS]; l++) {
         for (int channel = 0; channel < level.channels; channel += TD_LANES) {
             td_lanes value[TD_LANES], rate[TD_LANES];

@@ -36,7 +36,7 @@ TD_INLINE void td_node_lay(const td_shape *shape, td_dual luminance, td_lanes en
 /* Stores green, blue and their rates. */
 TD_INLINE void td_node_lay_beside(const td_colour *colour, td_index row, TD_GLOBAL td_real *beside) {
     int at[TD_LANES];
-    td_index_lanes(row, at);
+    td_spread_ints(row, at);
     for (int k = 0; k < TD_BESIDE_NUMBERS; k++) {
         td_real value[TD_LANES], rate[TD_LANES];
         td_spread(colour->channel[1 + k].v, value);

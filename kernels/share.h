@@ -104,7 +104,7 @@ TD_INLINE void td_deal_group(const td_job *job, int first, td_index gaussian, td
 /* Prefetches the shared values of a vector's rows. */
 TD_INLINE void td_deal_prefetch(const td_shared *from, td_index row) {
     int lane[TD_LANES];
-    td_index_lanes(row, lane);
+    td_spread_ints(row, lane);
     for (int i = 0; i < TD_LANES; i++) td_prefetch(from->extents + lane[i] * TD_EXTENT_STRIDE);
 }
 

@@ -125,7 +125,7 @@ TD_INLINE void td_soft_measure(const td_list *list, const td_image *image, const
         td_mask near = td_is_near(image, front.z, behind.z) & (td_count_from(k) < group->count - 1 + group->followed);
         td_lanes x, x_dot;
         td_soft_between(image, &front, &behind, &x, &x_dot);
-        td_index_lanes(td_mask_bit(near, 1), steps->near + k);
+        td_spread_ints(td_mask_bit(near, 1), steps->near + k);
         td_spread(x, steps->m + k);
         td_spread(x_dot, steps->m_dot + k);
     }

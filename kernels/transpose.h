@@ -4,19 +4,6 @@
 
 #include "numerics.h"
 
-/* Writes the lanes of an index to an array. */
-TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
-#if TD_LANES == 16
-    vstore16(td_narrow(index), 0, lane);
-#elif TD_LANES == 8
-    vstore8(td_narrow(index), 0, lane);
-#elif TD_LANES == 4
-    vstore4(td_narrow(index), 0, lane);
-#else
-    lane[0] = index;
-#endif
-}
-
 /* Shuffles that are single instructions of processors: within 128 bits (pairs of LOWER and UPPER), and of whole 128 bits (EVEN,
  * ODD). Reals are floats with sixteen lanes, else doubles. LLVM keeps these instructions where they are written in this order.
  * From a network that interleaved row i with row i + TD_LANES / 2 it made 900 instructions for 16 rows instead of 150. */

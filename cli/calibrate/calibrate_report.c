@@ -14,27 +14,19 @@ const char *calibrate_transition(int32_t index) {
     return names[index];
 }
 
-/* Adds a number; NaN becomes null. */
-static void add_number(cJSON *object, const char *name, double value) {
-    if (isfinite(value))
-        cJSON_AddNumberToObject(object, name, value);
-    else
-        cJSON_AddNullToObject(object, name);
-}
-
 static cJSON *value_json(const tides_calibrated *v, const tides_calibrated_row *row) {
     cJSON *item = cJSON_CreateObject();
     cJSON_AddStringToObject(item, "name", row->name);
     cJSON_AddStringToObject(item, "key", row->key);
     cJSON_AddStringToObject(item, "unit", row->unit);
     cJSON_AddStringToObject(item, "state", calibrate_state(v->state));
-    add_number(item, "value", v->value);
-    add_number(item, "error", v->error);
-    add_number(item, "uncorrected", v->raw);
-    add_number(item, "first_half", v->early);
-    add_number(item, "second_half", v->late);
-    add_number(item, "left_half", v->left);
-    add_number(item, "right_half", v->right);
+    cli_add_number(item, "value", v->value);
+    cli_add_number(item, "error", v->error);
+    cli_add_number(item, "uncorrected", v->raw);
+    cli_add_number(item, "first_half", v->early);
+    cli_add_number(item, "second_half", v->late);
+    cli_add_number(item, "left_half", v->left);
+    cli_add_number(item, "right_half", v->right);
     return item;
 }
 
@@ -43,7 +35,7 @@ static void add_transitions(const tides_calibration *f, cJSON *facts) {
     for (int32_t i = 0; i < CALIBRATE_TRANSITIONS; i++) {
         cJSON *row = cJSON_CreateObject();
         cJSON_AddStringToObject(row, "transition", calibrate_transition(i));
-        add_number(row, "change_thresholds", f->transitions[i]);
+        cli_add_number(row, "change_thresholds", f->transitions[i]);
         cJSON_AddNumberToObject(row, "pairs", (double)f->transition_pairs[i]);
         cJSON_AddItemToArray(rows, row);
     }
@@ -55,8 +47,8 @@ static void add_starts(const tides_calibration *f, cJSON *facts) {
     for (int32_t i = 0; i < 4; i++) {
         cJSON *row = cJSON_CreateObject();
         cJSON_AddStringToObject(row, "of", names[i]);
-        add_number(row, "below", f->starts[i][0]);
-        add_number(row, "above", f->starts[i][1]);
+        cli_add_number(row, "below", f->starts[i][0]);
+        cli_add_number(row, "above", f->starts[i][1]);
         cJSON_AddItemToArray(rows, row);
     }
     cJSON_AddStringToObject(facts, "initial", f->initial < 0 ? "unknown" : names[1 + f->initial]);

@@ -100,6 +100,8 @@ const char *cli_seconds(int64_t ns, char text[CLI_SECONDS]);
 /* Adds nanoseconds, or seconds, to an object, with all digits. */
 void cli_add_ns(cJSON *object, const char *name, int64_t ns);
 void cli_add_seconds(cJSON *object, const char *name, int64_t ns);
+/* Adds a number; what isn't finite becomes null. */
+void cli_add_number(cJSON *object, const char *name, double value);
 
 /* common.c: fills in the options that every command has, which are stored to `common`. */
 enum { CLI_COMMON_OPTIONS = 6 };

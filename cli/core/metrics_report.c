@@ -5,13 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void add(cJSON *object, const char *name, double value) {
-    if (isfinite(value))
-        cJSON_AddNumberToObject(object, name, value);
-    else
-        cJSON_AddNullToObject(object, name);
-}
-
 /* Makes a name such as "fano_200us". */
 static void bin_name(const char *prefix, double bin_s, char name[48]) {
     const double us = round(1e6 * bin_s);
@@ -49,14 +42,14 @@ static void add_rows(cJSON *json, int32_t of, const void *fields, const tides_me
             uint64_t whole;
             memcpy(&real, at, sizeof real);
             memcpy(&whole, at, sizeof whole);
-            add(json, name, row->is_real ? real : (double)whole);
+            cli_add_number(json, name, row->is_real ? real : (double)whole);
         }
     }
 }
 
 static cJSON *stream_json(const tides_stream_metrics *s, const tides_metrics_options *o) {
     cJSON *json = cJSON_CreateObject();
-    add(json, "events", (double)s->events);
+    cli_add_number(json, "events", (double)s->events);
     add_rows(json, TIDES_OF_STREAM, s, o);
     return json;
 }
@@ -65,8 +58,8 @@ cJSON *cli_metrics_json(const tides_metrics *m, const tides_metrics_options *o) 
     cJSON *report = cJSON_CreateObject(), *json = cJSON_CreateObject();
     cJSON_AddItemToObject(report, "reference", stream_json(&m->reference, o));
     cJSON_AddItemToObject(report, "simulated", stream_json(&m->simulated, o));
-    add(json, "width", m->width);
-    add(json, "height", m->height);
+    cli_add_number(json, "width", m->width);
+    cli_add_number(json, "height", m->height);
     cli_add_ns(json, "start_ns", m->start_ns);
     cli_add_ns(json, "stop_ns", m->stop_ns);
     add_rows(json, TIDES_OF_BOTH, m, o);

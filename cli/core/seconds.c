@@ -52,6 +52,13 @@ void cli_add_ns(cJSON *object, const char *name, int64_t ns) {
     cJSON_AddRawToObject(object, name, text);
 }
 
+void cli_add_number(cJSON *object, const char *name, double value) {
+    if (isfinite(value))
+        cJSON_AddNumberToObject(object, name, value);
+    else
+        cJSON_AddNullToObject(object, name);
+}
+
 void cli_add_seconds(cJSON *object, const char *name, int64_t ns) {
     char text[CLI_SECONDS];
     cJSON_AddRawToObject(object, name, cli_seconds(ns, text));

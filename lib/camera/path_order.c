@@ -3,6 +3,7 @@
 
 #include "camera/td_rotation.h"
 #include "td_math.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -105,11 +106,6 @@ static void measure_step(const td_path_sample *from, const td_path_sample *to, d
     step[1] = 2 * td_acos(fmin(1, fabs(dot)));
 }
 
-static int by_value(const void *left, const void *right) {
-    const double a = *(const double *)left, b = *(const double *)right;
-    return a < b ? -1 : a > b;
-}
-
 /* The median of the values that aren't 0 (a camera may stand still now and then); 0 if all are. `room` is as long as
  * `values`. */
 static double middle(const double *values, size_t stride, size_t count, double *room) {
@@ -117,7 +113,7 @@ static double middle(const double *values, size_t stride, size_t count, double *
     for (size_t i = 0; i < count; i++)
         if (values[stride * i] > 0) room[n++] = values[stride * i];
     if (n == 0) return 0;
-    qsort(room, n, sizeof *room, by_value);
+    qsort(room, n, sizeof *room, td_ascending);
     return room[n / 2];
 }
 

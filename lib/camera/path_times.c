@@ -5,6 +5,7 @@
 
 #include "td_columns.h"
 #include "td_math.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,11 +24,6 @@ typedef struct numbers {
     int counts;        /* 1: they are 0, 1, 2 .. or 1, 2, 3 .., even written "1.0" (DROID-SLAM, DPVO) */
 } numbers;
 
-static int by_value(const void *left, const void *right) {
-    const double a = *(const double *)left, b = *(const double *)right;
-    return a < b ? -1 : a > b;
-}
-
 static int is_bare(const td_path_sample *sample) { return !sample->word || !memchr(sample->word, '.', sample->length); }
 
 static tides_status look(const td_path_reader *reader, numbers *n) {
@@ -44,7 +40,7 @@ static tides_status look(const td_path_reader *reader, numbers *n) {
         if (i > 0) steps[i - 1] = fabs(td_path_since(s + i, s + i - 1));
     }
     n->bare = n->counts || (n->bare && n->whole);
-    if (count > 1) qsort(steps, count - 1, sizeof *steps, by_value);
+    if (count > 1) qsort(steps, count - 1, sizeof *steps, td_ascending);
     if (count > 1) n->step = steps[(count - 1) / 2];
     free(steps);
     return TIDES_OK;

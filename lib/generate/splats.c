@@ -1,5 +1,6 @@
 /* Builds Gaussians from surfaces: flat ones within the surface, shaded once by a fixed light. */
 #include "generate/td_generate.h"
+#include "camera/td_rotation.h"
 #include "td_base.h"
 #include "td_math.h"
 
@@ -51,16 +52,8 @@ static int reserve(td_splats *s) {
     return 1;
 }
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void cross(const double a[3], const double b[3], double c[3]) {
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 static double normalise(double a[3]) {
-    double length = sqrt(dot(a, a));
+    double length = td_length3(a);
     for (int i = 0; i < 3 && length > 0; i++) a[i] /= length;
     return length;
 }
@@ -81,7 +74,7 @@ static void quaternion_of(const double u[3], const double v[3], const double n[3
 /* Factor of a surface's colour: diffuse light from the upper left in front, and ambient light. It is for linear colours. */
 static double shade(const double normal[3]) {
     static const double light[3] = {-0.42, 0.60, 0.68};
-    double lit = dot(normal, light);
+    double lit = td_dot3(normal, light);
     return 0.45 + 0.55 * (lit > 0 ? lit : 0);
 }
 
@@ -90,9 +83,9 @@ void td_splats_add(td_splats *s, const double point[3], const double along[3], c
     double u[3], v[3], n[3], q[4];
     memcpy(u, along, sizeof u);
     if (normalise(u) <= 0) return;
-    cross(u, across, n);
+    td_cross3(u, across, n);
     if (normalise(n) <= 0 || !reserve(s)) return;
-    cross(n, u, v);
+    td_cross3(n, u, v);
     quaternion_of(u, v, n, q);
     td_gaussians *g = &s->gaussians;
     const size_t at = (size_t)g->count++;
@@ -127,8 +120,8 @@ void td_splats_cover(td_splats *splats, td_surface surface, const void *shape, i
                 along[k] = (ends[1][k] - ends[0][k]) / (2 * h); /* edges of a cell */
                 across[k] = (ends[3][k] - ends[2][k]) / (2 * h);
             }
-            const double sigma[3] = {fmax(OVERLAP * sqrt(dot(along, along)), splats->thickness),
-                                     fmax(OVERLAP * sqrt(dot(across, across)), splats->thickness), splats->thickness};
+            const double sigma[3] = {fmax(OVERLAP * td_length3(along), splats->thickness),
+                                     fmax(OVERLAP * td_length3(across), splats->thickness), splats->thickness};
             td_splats_add(splats, point, along, across, sigma, colour);
         }
     }
@@ -139,9 +132,9 @@ void td_splats_line(td_splats *splats, const double a[3], const double b[3], int
     static const double forward[3] = {0, 0, 1}, up[3] = {0, 1, 0};
     double along[3], across[3], point[3];
     for (int k = 0; k < 3; k++) along[k] = (b[k] - a[k]) / count;
-    cross(forward, along, across);
-    if (dot(across, across) <= 0) cross(up, along, across); /* a line towards the camera */
-    const double sigma[3] = {OVERLAP * sqrt(dot(along, along)), width, fmin(width, splats->thickness)};
+    td_cross3(forward, along, across);
+    if (td_dot3(across, across) <= 0) td_cross3(up, along, across); /* a line towards the camera */
+    const double sigma[3] = {OVERLAP * td_length3(along), width, fmin(width, splats->thickness)};
     for (int32_t i = 0; i < count; i++) {
         for (int k = 0; k < 3; k++) point[k] = a[k] + (i + 0.5) * along[k];
         td_splats_add(splats, point, along, across, sigma, colour);

@@ -43,33 +43,9 @@ static void set(settings *s, const char *key, double value) {
 
 /* -- thresholds and values that depend on the run ---------------------------------------------------------------------- */
 
-static void threshold_tides(settings *s, const pixel *p) {
-    set(s, "sensor.threshold_on", p->on);
-    set(s, "sensor.threshold_off", p->off);
-}
-
-static void threshold_esim(settings *s, const pixel *p) {
-    set(s, "esim.contrast_threshold_pos", p->on);
-    set(s, "esim.contrast_threshold_neg", p->off);
-}
-
 static void ideal_esim(settings *s, const pixel *p) { set(s, "esim.log_eps", p->log_eps); }
 
-static void threshold_v2e(settings *s, const pixel *p) {
-    set(s, "v2e.pos_thres", p->on);
-    set(s, "v2e.neg_thres", p->off);
-}
-
-/* DN / (DN + k2) equals ln(Y + k2 / 255) to second order, and the barriers are at +-1. So k1 is the inverse threshold; as
- * there is only one, the mean of both thresholds is taken. */
-static void threshold_voltmeter(settings *s, const pixel *p) { set(s, "voltmeter.k1", 2 / (p->on + p->off)); }
-
 static void ideal_voltmeter(settings *s, const pixel *p) { set(s, "voltmeter.k2", fmax(255 * p->log_eps, 1e-6)); }
-
-static void threshold_iebcs(settings *s, const pixel *p) {
-    set(s, "iebcs.th_pos", p->on);
-    set(s, "iebcs.th_neg", p->off);
-}
 
 /* Time constant of ideal IEBCS pixels, for a scale of 1 / log_eps, with which ln(scale Y + 1) is ln(Y + log_eps) plus a
  * constant. The time constant is inverse to light; at Y = 1 it is as short as with IEBCS's own parameters. If it were
@@ -153,22 +129,16 @@ static void sensor_iebcs(settings *s, const pixel *p) {
 
 static const struct method {
     const char *name;
-    void (*threshold)(settings *s, const pixel *p), (*ideal)(settings *s, const pixel *p); /* ideal: NULL for none */
+    void (*ideal)(settings *s, const pixel *p);  /* NULL: none */
     void (*sensor)(settings *s, const pixel *p); /* NULL: the method uses the run's sensor */
     const char *groups[4];                       /* prefixes of its keys in the table */
-    /* if the run gives one of these keys, it has thresholds for the method; none: the thresholds are the run's */
-    const char *own[2];
+    const char *on, *off;                        /* keys of its thresholds; off NULL: it has one, an inverse threshold */
 } methods[] = {
-    {"tides", threshold_tides, NULL, NULL, {"sensor.", "frontend.", "readout.", "filters."}, {NULL, NULL}},
-    {"esim",
-     threshold_esim,
-     ideal_esim,
-     sensor_esim,
-     {"esim."},
-     {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg"}},
-    {"v2e", threshold_v2e, NULL, sensor_v2e, {"v2e."}, {"v2e.pos_thres", "v2e.neg_thres"}},
-    {"dvs-voltmeter", threshold_voltmeter, ideal_voltmeter, sensor_voltmeter, {"voltmeter."}, {"voltmeter.k1", NULL}},
-    {"iebcs", threshold_iebcs, ideal_iebcs, sensor_iebcs, {"iebcs."}, {"iebcs.th_pos", "iebcs.th_neg"}},
+    {"tides", NULL, NULL, {"sensor.", "frontend.", "readout.", "filters."}, "sensor.threshold_on", "sensor.threshold_off"},
+    {"esim", ideal_esim, sensor_esim, {"esim."}, "esim.contrast_threshold_pos", "esim.contrast_threshold_neg"},
+    {"v2e", NULL, sensor_v2e, {"v2e."}, "v2e.pos_thres", "v2e.neg_thres"},
+    {"dvs-voltmeter", ideal_voltmeter, sensor_voltmeter, {"voltmeter."}, "voltmeter.k1", NULL},
+    {"iebcs", ideal_iebcs, sensor_iebcs, {"iebcs."}, "iebcs.th_pos", "iebcs.th_neg"},
 };
 enum { METHODS = sizeof methods / sizeof methods[0] };
 
@@ -180,11 +150,16 @@ static void put_ideal_rows(settings *s, const struct method *m) {
                 put(s, td_params[i].key, td_params[i].ideal);
 }
 
+/* 1 if the run gives thresholds for the method itself. */
 static int32_t has_thresholds(const struct method *m, const tides_run *run) {
-    int32_t given = !m->own[0];
-    for (int i = 0; i < 2; i++)
-        if (m->own[i] && tides_run_gives(run, m->own[i])) given = 1;
-    return given;
+    return !m->sensor || tides_run_gives(run, m->on) || (m->off && tides_run_gives(run, m->off));
+}
+
+/* DVS-Voltmeter: DN / (DN + k2) equals ln(Y + k2 / 255) to second order, and the barriers are at +-1. So k1 is the inverse
+ * threshold; as there is only one, the mean of both thresholds is taken. */
+static void set_thresholds(settings *s, const pixel *p, const struct method *m) {
+    set(s, m->on, m->off ? p->on : 2 / (p->on + p->off));
+    if (m->off) set(s, m->off, p->off);
 }
 
 /* Copies the settings to one block of memory: pointers, then texts. */
@@ -215,7 +190,7 @@ tides_status tides_ideal_settings(const tides_run *run, const char *method, int3
     settings s = {.count = 0};
     put(&s, "method", m->name);
     if (ideal || ((what & (TIDES_IDEAL_THRESHOLDS | TIDES_IDEAL_SENSOR)) == TIDES_IDEAL_THRESHOLDS && !has_thresholds(m, run)))
-        m->threshold(&s, &p);
+        set_thresholds(&s, &p, m);
     if (ideal && m->ideal) m->ideal(&s, &p);
     if (!ideal && (what & TIDES_IDEAL_SENSOR) && m->sensor) m->sensor(&s, &p);
     if (ideal) put_ideal_rows(&s, m);

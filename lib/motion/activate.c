@@ -1,6 +1,7 @@
 /* Activation of a Gaussian's raw parameters to the values and rates that projection reads (paper, Sec. 3.2), in double. It
  * serves the renderer's store and motions computed on the host; kernels activate on the device. */
 #include "td_activate.h"
+#include "td_models.h"
 
 #include "camera/td_rotation.h"
 #include "kernels/motion.h"
@@ -24,15 +25,13 @@ static double normalise(const double raw[4], double q[4]) {
     return norm;
 }
 
-static double sigmoid(double x) { return 1 / (1 + td_exp(-x)); }
-
 void td_activate(const double mean[3], const double log_scale[3], const double quaternion[4], double opacity_logit,
                  double *geometry) {
     double q[4], r[9];
     normalise(quaternion, q);
     td_rotation_from_quaternion(q, r);
     for (int i = 0; i < 3; i++) geometry[TD_G_MEAN + i] = geometry[TD_G_ORIGIN + i] = mean[i];
-    geometry[TD_G_OPACITY] = sigmoid(opacity_logit);
+    geometry[TD_G_OPACITY] = td_sigmoid(opacity_logit);
     const double scale[3] = {td_exp(log_scale[0]), td_exp(log_scale[1]), td_exp(log_scale[2])};
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) geometry[TD_G_FACTOR + 3 * i + j] = r[3 * i + j] * scale[j];
@@ -48,7 +47,7 @@ void td_activate_rates(const double mean_dot[3], const double log_scale[3], cons
     for (int i = 0; i < 4; i++) p[i] = (quaternion_dot[i] - q[i] * along) / norm;
     td_rotation_from_quaternion(q, r);
     rotation_rate_of(q, p, r_dot);
-    double opacity = sigmoid(opacity_logit);
+    double opacity = td_sigmoid(opacity_logit);
     for (int i = 0; i < 3; i++) rates[TD_G_MEAN + i] = rates[TD_G_ORIGIN + i] = mean_dot[i];
     rates[TD_G_OPACITY] = opacity * (1 - opacity) * opacity_logit_dot;
     const double scale[3] = {td_exp(log_scale[0]), td_exp(log_scale[1]), td_exp(log_scale[2])};

@@ -1,6 +1,7 @@
 /* Material points: picks those that pixels show, and follows them. A point is a fixed place xi in a Gaussian, and lies at c +
  * F xi, where c is the Gaussian's centre and F its factor. It works on the host, in double; rows of Gaussians that move by
  * themselves come from the backend. */
+#include "camera/td_rotation.h"
 #include "td_renderer.h"
 #include "tides/truth.h"
 
@@ -61,8 +62,6 @@ static tides_status moment_take(tides_renderer *r, const tides_trajectory *camer
 
 /* -- Gaussians along rays -------------------------------------------------------------------------------------------- */
 
-static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /* A Gaussian's centre and factor in the camera's coordinates: a record of places, and one of rates. */
 /* NOLINTNEXTLINE(readability-non-const-parameter): td_surfaces writes through them */
 static void surface_at(const moment *m, const td_view *view, const double *row, double place[16], double rate[16]) {
@@ -89,13 +88,13 @@ static glance glance_at(const moment *m, const td_view *view, const double *row,
     const double dx = x - shape.u.v, dy = y - shape.v.v, scale = rate[TD_S_SCALE], *f = place + TD_S_F;
     const double out = shape.conic[0].v * dx * dx + 2 * shape.conic[1].v * dx * dy + shape.conic[2].v * dy * dy;
     td_seen_point(place, scale, TD_TRUTH_REACH * (out + TD_TRUTH_MIDDLE), &pixel, g.xi);
-    for (int i = 0; i < 3; i++) g.p[i] = place[TD_S_C + i] + dot3(f + 3 * i, g.xi);
+    for (int i = 0; i < 3; i++) g.p[i] = place[TD_S_C + i] + td_dot3(f + 3 * i, g.xi);
     const double ray[3] = {pixel.rx, pixel.ry, 1}, *k = place + TD_S_K, *rest = rate + TD_S_K_REST;
     way[0] = k[0] * ray[0] + k[1] * ray[1] + k[2], way[1] = k[1] * ray[0] + rest[0] * ray[1] + rest[1];
     way[2] = k[2] * ray[0] + rest[1] * ray[1] + rest[2];
     const double volume =
         fabs(f[0] * (f[4] * f[8] - f[5] * f[7]) + f[1] * (f[5] * f[6] - f[3] * f[8]) + f[2] * (f[3] * f[7] - f[4] * f[6]));
-    const double across = dot3(ray, way); /* 1 / sqrt(d^T Sigma^-1 d) is the Gaussian's depth along the ray */
+    const double across = td_dot3(ray, way); /* 1 / sqrt(d^T Sigma^-1 d) is the Gaussian's depth along the ray */
     g.thickness = across > 0 ? volume / (scale * sqrt(across)) : 0;
     for (int j = 0; j < 3; j++) g.xi[j] *= scale;
     return g;
@@ -105,7 +104,7 @@ static glance glance_at(const moment *m, const td_view *view, const double *row,
 static void point_at(const moment *m, const td_view *view, const double *row, const double xi[3], double p[3]) {
     double place[16], rate[16];
     surface_at(m, view, row, place, rate);
-    for (int i = 0; i < 3; i++) p[i] = place[TD_S_C + i] + dot3(place + TD_S_F + 3 * i, xi) / rate[TD_S_SCALE];
+    for (int i = 0; i < 3; i++) p[i] = place[TD_S_C + i] + td_dot3(place + TD_S_F + 3 * i, xi) / rate[TD_S_SCALE];
 }
 
 /* Projects a position in the camera's coordinates onto the screen. */

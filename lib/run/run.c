@@ -155,11 +155,9 @@ static int32_t is_scene(const char *file) {
 static char *run_of_frames(const char *file, tides_error *error) {
     cJSON *root = cJSON_CreateObject(), *frames = root ? cJSON_AddObjectToObject(root, "frames") : NULL;
     int32_t ok = frames && cJSON_AddStringToObject(frames, "file", td_base_name(file));
-    if (ok && td_run_is_video(file)) ok = cJSON_AddStringToObject(frames, "transfer", "srgb") != NULL;
+    if (ok && td_frames_is_video(file)) ok = cJSON_AddStringToObject(frames, "transfer", "srgb") != NULL;
     return print_run(root, ok, file, error);
 }
-
-int32_t td_run_is_video(const char *file) { return td_frames_is_video(file); }
 
 /* Notes that pictures which don't give their transfer are taken as linear light. */
 static tides_status note_frames(tides_run *run, const char *file, tides_error *error) {
@@ -207,7 +205,7 @@ tides_status tides_run_load(const char *file, const char *const *overrides, size
     char *text = NULL, *plain = NULL, *directory = NULL;
     size_t bytes = 0;
     /* An HDF5 file may be a scene or frames, and a model's folder may hold pictures, too. */
-    const int32_t video = td_run_is_video(file),
+    const int32_t video = td_frames_is_video(file),
                   scene = !video && (td_is_folder(file) || !td_frames_is(file)) && is_scene(file);
     const int32_t frames = video || (!scene && td_frames_is(file));
     tides_status status = TIDES_OK;

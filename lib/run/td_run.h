@@ -73,9 +73,6 @@ tides_status td_rig_mount(const tides_run *run, tides_trajectory **path, tides_e
 /* Converts T_B_I (p_body = T_B_I p_imu) to the rig camera's T_C_I. */
 void td_rig_move_imu(const tides_run *run, double T[16]);
 
-/* 1 if the name is a video's: .y4m, or "-" for a pipe. */
-int32_t td_run_is_video(const char *file);
-
 /* Sets rows that follow from the illuminance at Y = 1, and from the black level, unless they are given. */
 tides_status td_run_light(tides_run *run, tides_error *error);
 

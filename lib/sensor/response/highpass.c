@@ -34,15 +34,13 @@ static void respond_alone(double rate, double z, const td_model *input, td_respo
     response->modes = 1;
 }
 
-static td_complex minus(td_complex a, td_complex b) { return (td_complex){a.re - b.re, a.im - b.im}; }
-
 /* The response behind a low-pass: S less its low-pass, whose state is `z`. */
 static void respond_behind(const td_poles *poles, double rate, double z, const td_model *input, td_response *response) {
     td_poles y = td_poles_then(poles, rate, z);
-    y.pole[0].weight = minus(poles->pole[0].weight, y.pole[0].weight);
-    y.pole[0].offset = minus(poles->pole[0].offset, y.pole[0].offset);
-    y.pole[1].weight = minus((td_complex){0, 0}, y.pole[1].weight);
-    y.pole[1].offset = minus((td_complex){0, 0}, y.pole[1].offset);
+    y.pole[0].weight = td_minus(poles->pole[0].weight, y.pole[0].weight);
+    y.pole[0].offset = td_minus(poles->pole[0].offset, y.pole[0].offset);
+    y.pole[1].weight = td_minus((td_complex){0, 0}, y.pole[1].weight);
+    y.pole[1].offset = td_minus((td_complex){0, 0}, y.pole[1].offset);
     y.start = poles->start - z;
     td_poles_respond(&y, input, response);
 }
