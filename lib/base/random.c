@@ -86,10 +86,6 @@ double td_random_uniform(const td_random_bits *bits, int half) {
 
 double td_random_exponential(const td_random_bits *bits, int half) { return -td_logarithm(td_random_uniform(bits, half)); }
 
-void td_random_uniforms_many(const td_random_lanes *bits, double *value) {
-    for (int i = 0; i < TD_RANDOM_LANES; i++) value[i] = uniform(bits->word[0][i], bits->word[1][i]);
-}
-
 /* -- normals --------------------------------------------------------------------------------------------------------------- */
 
 /* sin(2 pi v) for |v| <= 1/4, by Taylor's series. The first term that is left out is below 2^-59. */

@@ -75,8 +75,7 @@ typedef struct td_random_lanes {
 } td_random_lanes;
 void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index, uint32_t purpose, td_random_lanes *bits);
 void td_random_each(uint64_t seed, const uint32_t *pixel, const uint64_t *index, const uint32_t *purpose,
-                    td_random_lanes *bits);                               /* lane i has its own purpose */
-void td_random_uniforms_many(const td_random_lanes *bits, double *value); /* from words 0 and 1 */
+                    td_random_lanes *bits); /* lane i has its own purpose */
 void td_random_short_normals_many(const td_random_lanes *bits, float normal[4][TD_RANDOM_LANES]);
 void td_random_short_exponentials_many(const td_random_lanes *bits, float value[2][TD_RANDOM_LANES]); /* of both halves */
 

@@ -54,7 +54,7 @@ static void sweep(td_block_noise *noise, const td_noisy_step *step, const double
     const td_sensor *sensor = step->sensor;
     const td_additive_noise *additive = &sensor->additive;
     uint32_t pixel[TD_NOISY_BLOCK];
-    double low[TD_NOISY_BLOCK], high[TD_NOISY_BLOCK];
+    double low[TD_NOISY_BLOCK], high[TD_NOISY_BLOCK], begun[TD_NOISY_BLOCK];
     td_model input[TD_NOISY_BLOCK];
     td_noise_path paths[TD_NOISY_BLOCK];
     noise->swept = 0;
@@ -67,11 +67,12 @@ static void sweep(td_block_noise *noise, const td_noisy_step *step, const double
         pixel[n] = sensor->segment.pixel[i];
         noise->segment[n] = sensor->segment.number[i];
         noise->value[n] = sensor->segment.value[i];
+        if (!additive->varies) begun[n] = sensor->segment.origin[i];
         if (!additive->varies) continue;
         noise->few[n].segment[0] = td_sensor_noise_segment(sensor, i);
         input[n] = noise->input[k];
     }
-    const td_noise_sweep all = {noise->segment, noise->value, low, high, noise->few, input, noise->path, paths};
+    const td_noise_sweep all = {noise->segment, noise->value, low, high, noise->few, input, noise->path, paths, begun};
     td_additive_noise_sweep(additive, step->start, step->length, pixel, (size_t)noise->swept, &all);
     for (int n = 0; n < noise->swept; n++) {
         const size_t k = (size_t)noise->k[n];

@@ -134,6 +134,7 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, double leak, size
     if (sensor->additive.on) {
         sensor->segment.number[i] = 0;
         sensor->segment.value[i] = 0;
+        if (sensor->segment.origin) sensor->segment.origin[i] = td_additive_noise_origin(&sensor->additive, pixel);
     }
     td_sensor_set_wake(sensor, i);
 }
@@ -169,6 +170,9 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
         sensor->segment.value = td_alloc(sensor->count, sizeof *sensor->segment.value, error);
         sensor->segment.ahead = td_alloc(sensor->count, sizeof *sensor->segment.ahead, error);
         if (!sensor->segment.number || !sensor->segment.value || !sensor->segment.ahead) return TIDES_NO_MEMORY;
+        if (!sensor->additive.varies &&
+            !(sensor->segment.origin = td_alloc(sensor->count, sizeof *sensor->segment.origin, error)))
+            return TIDES_NO_MEMORY;
         if (sensor->additive.varies && !(sensor->segment.light = td_alloc(sensor->count, sizeof *sensor->segment.light, error)))
             return TIDES_NO_MEMORY;
         if (sensor->additive.varies && !(sensor->segment.now = td_alloc(sensor->count, sizeof *sensor->segment.now, error)))
@@ -296,6 +300,7 @@ void td_sensor_release(td_sensor *sensor) {
     free(sensor->segment.light);
     free(sensor->segment.ahead);
     free(sensor->segment.now);
+    free(sensor->segment.origin);
     free(sensor->additive.own);
     free(sensor->segment.pixel);
     td_shot_noise_release(&sensor->noise);

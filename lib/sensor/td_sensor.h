@@ -103,6 +103,7 @@ typedef struct td_sensor {
         double *number, *value; /* additive noise's segment at the time reached: its number, value at its begin [log units], */
         double *light;          /* and log-luminance there, of noise that depends on light */
         uint32_t *pixel;        /* the pixel's number in the image, for additive noise and kicks */
+        double *origin;         /* where segment 0 begins [ns], of noise that doesn't vary: drawn once */
         td_noise_ahead *ahead;  /* these follow from the others: td_sensor_resume */
         td_noise_now *now;      /* of noise that varies */
     } segment;

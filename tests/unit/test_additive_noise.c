@@ -179,7 +179,7 @@ static void test_sweep(void **state) {
     td_additive_noise noise = make(SEED + 5);
     td_noise_segment line[COUNT];
     uint32_t pixel[COUNT];
-    double k[COUNT], value[COUNT], low[COUNT], high[COUNT], now = 0, path[2 * TD_RANDOM_LANES * TD_NOISE_PATH];
+    double k[COUNT], value[COUNT], low[COUNT], high[COUNT], origin[COUNT], now = 0, path[2 * TD_RANDOM_LANES * TD_NOISE_PATH];
     td_noise_path paths[COUNT];
     int along = 0, behind = 0;
     (void)state;
@@ -188,10 +188,11 @@ static void test_sweep(void **state) {
         line[i] = first_line(&noise, pixel[i]);
         k[i] = 0;
         value[i] = line[i].begin;
+        origin[i] = td_additive_noise_origin(&noise, pixel[i]);
     }
     for (int n = 0; n < SWEEPS; n++) {
         double length = noise.spacing_ns * (n % 3 == 0 ? 0.01 : n % 3 == 1 ? 1.7 : 40.0 + n);
-        const td_noise_sweep sweep = {k, value, low, high, NULL, NULL, path, paths};
+        const td_noise_sweep sweep = {k, value, low, high, NULL, NULL, path, paths, origin};
         td_additive_noise_sweep(&noise, now, length, pixel, COUNT, &sweep);
         for (int i = 0; i < COUNT; i++) {
             double least = fmin(line[i].begin, line[i].end), most = fmax(line[i].begin, line[i].end);

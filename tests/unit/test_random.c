@@ -132,7 +132,6 @@ static void test_lanes(void **state) {
     for (uint32_t i = 0; i < 1000; i++) {
         uint32_t pixel[TD_RANDOM_LANES];
         uint64_t index[TD_RANDOM_LANES];
-        double uniform[TD_RANDOM_LANES];
         float four[4][TD_RANDOM_LANES], two[2][TD_RANDOM_LANES];
         for (uint32_t k = 0; k < TD_RANDOM_LANES; k++) {
             pixel[k] = i * k;
@@ -140,7 +139,6 @@ static void test_lanes(void **state) {
         }
         td_random_lanes lanes;
         td_random_many(i, pixel, index, TD_RANDOM_NOISE, &lanes);
-        td_random_uniforms_many(&lanes, uniform);
         td_random_short_normals_many(&lanes, four);
         td_random_short_exponentials_many(&lanes, two);
         for (int k = 0; k < TD_RANDOM_LANES; k++) {
@@ -148,7 +146,6 @@ static void test_lanes(void **state) {
             float normal[4];
             for (int half = 0; half < 2; half++) td_random_short_normals(&bits, half, normal + 2 * half);
             for (int w = 0; w < 4; w++) assert_int_equal(lanes.word[w][k], bits.word[w]);
-            assert_true(uniform[k] == td_random_uniform(&bits, 0));
             for (int n = 0; n < 4; n++) assert_true(four[n][k] == normal[n]);
             for (int half = 0; half < 2; half++) assert_true((double)two[half][k] == td_random_short_exponential(&bits, half));
         }

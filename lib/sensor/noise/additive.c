@@ -76,9 +76,8 @@ void td_additive_noise_give(td_additive_noise *noise, double *own) {
 
 /* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
-/* Where segment 0 begins, at or before the run's start. Random number 0 is for this; the normals of block b come of number
- * b + 1. */
-static double origin_of(const td_additive_noise *noise, uint32_t pixel) {
+/* Random number 0 is for this; the normals of block b come of number b + 1. */
+double td_additive_noise_origin(const td_additive_noise *noise, uint32_t pixel) {
     td_random_bits bits = td_random(noise->seed, pixel, 0, TD_RANDOM_NOISE);
     return -td_random_uniform(&bits, 0) * noise->spacing_ns;
 }
@@ -135,7 +134,7 @@ td_noise_segment td_additive_noise_resume(const td_additive_noise *noise, uint32
                                           double light) {
     td_noise_segment segment = {.k = k,
                                 .begin = value,
-                                .origin_ns = origin_of(noise, pixel),
+                                .origin_ns = td_additive_noise_origin(noise, pixel),
                                 .light = light,
                                 .own = td_additive_noise_own(noise, pixel)};
     draw_block(noise, pixel, k + 1, segment.normal);
@@ -231,15 +230,9 @@ static double last_segment(const td_additive_noise *noise, double origin_ns, dou
 
 /* Sets the lanes' first blocks of normals. Returns how many blocks the longest of them needs. */
 static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, double length_ns, lanes *l) {
-    const uint64_t none[TD_RANDOM_LANES] = {0};
-    double phase[TD_RANDOM_LANES];
     int64_t most = 0;
-    td_random_lanes bits;
-    td_random_many(noise->seed, l->pixel, none, TD_RANDOM_NOISE, &bits);
-    td_random_uniforms_many(&bits, phase);
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
         const int64_t block = ((int64_t)l->first[i] + 1) / TD_NOISE_BLOCK;
-        l->origin[i] = -phase[i] * noise->spacing_ns;
         l->last[i] = last_segment(noise, l->origin[i], l->first[i], start_ns, length_ns);
         l->number[i] = (uint64_t)block + 1;
         l->point[i] = (double)(TD_NOISE_BLOCK * block);
@@ -320,6 +313,7 @@ void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, do
             l.pixel[i] = pixel[j];
             l.first[i] = sweep->segment[j];
             l.x[i] = sweep->value[j];
+            l.origin[i] = sweep->origin[j];
         }
         double *path = sweep->path + done * TD_NOISE_PATH;
         sweep_lanes(noise, start_ns, length_ns, &l, path);

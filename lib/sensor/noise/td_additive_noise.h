@@ -94,6 +94,9 @@ double td_additive_noise_own(const td_additive_noise *noise, uint32_t pixel);
 /* tau of noise that doesn't vary [ns]. */
 double td_additive_noise_tau(const td_additive_noise *noise);
 
+/* Where the pixel's segment 0 begins, at or before the run's start [ns]. */
+double td_additive_noise_origin(const td_additive_noise *noise, uint32_t pixel);
+
 /* x(0) of `pixel`, in log-luminance `light` where the noise depends on it. The run's start lies on segment 0. */
 double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel, double light);
 
@@ -152,6 +155,7 @@ typedef struct td_noise_sweep {
     const td_model *input;
     double *path;         /* room for TD_NOISE_PATH x TD_RANDOM_LANES numbers for each TD_RANDOM_LANES pixels, and */
     td_noise_path *paths; /* (count) its content; neither is set for noise that varies */
+    const double *origin; /* (count) td_additive_noise_origin of each, not for noise that varies */
 } td_noise_sweep;
 
 /* Sweeps all pixels side by side. The results equal those of td_additive_noise_next, segment by segment, to the bit. */
