@@ -1,8 +1,6 @@
 /* Motion and light that return to their state within one longest step. No event may be lost or invented because the nodes of a
  * step, or of the paths on which events are looked up, don't show it. Exact events come from frames 10 us apart and closer, or
- * from a formula. Runs are in double and in single precision, with and without look-ups. test_band_limited.c has random
- * motions.
- *
+ * from a formula. Runs are in double and in single precision, with and without look-ups (random motions: test_band_limited.c).
  * TIDES_TRIALS=1 runs each case at all its phases, otherwise at one of them. */
 #include <stdarg.h>
 #include <stddef.h>
