@@ -243,6 +243,8 @@ static void test_it_has_its_events(void **state) {
         stage s = cases[k].make();
         job j = job_on(&s);
         if (cases[k].make == shiver_object) j.sensor.threshold_on = j.sensor.threshold_off = 0.05;
+        /* Pixels beside the middle of the splat return to their first value exactly, a level that they touch: a tie. */
+        if (cases[k].make == shiver_object) j.sensor.leak_rate_hz = 0.3;
         outcome found = run(&j);
         model_steps(&j.stepping);
         outcome modelled = run(&j);
