@@ -1,4 +1,4 @@
-/* tides bench image: the value and the cost of each measure that makes 3DGS continuous in time. Each image is compared with its
+/* own_bench image: the value and the cost of each measure that makes 3DGS continuous in time. Each image is compared with its
  * own exact events: at equal steps, where a jump misplaces events, and under error control, where it costs renders. An image is
  * one line of the table.
  *

@@ -1,4 +1,4 @@
-/* tides bench scaling: growth of cost with the size of a scene. Points are measured in processes of their own. Exponents are
+/* own_bench scaling: growth of cost with the size of a scene. Points are measured in processes of their own. Exponents are
  * fitted to processor time, which other load hardly affects, and targets are about exponents and about shares of time. */
 #include "bench_scaling.h"
 #include "bench_stability.h"

@@ -1,4 +1,4 @@
-/* The axes of `tides bench scaling`, and the worlds along them: one number grows, and the others stay. */
+/* The axes of `own_bench scaling`, and the worlds along them: one number grows, and the others stay. */
 #include "bench_scaling.h"
 #include "bench_worlds.h"
 
