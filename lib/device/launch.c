@@ -34,15 +34,15 @@ static tides_status move_near(tides_device *device, void *to, const void *from, 
     return status;
 }
 
-tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error) {
+tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t kept, size_t bytes, tides_error *error) {
     if (bytes <= buffer->bytes) return TIDES_OK;
+    if (kept > buffer->bytes) kept = buffer->bytes;
     td_buffer grown = {NULL, 0, NULL};
     tides_status status = td_buffer_reserve(device, &grown, bytes + bytes / 2, error);
-    if (status == TIDES_OK && grown.near && buffer->bytes)
-        status = move_near(device, grown.near, buffer->near, buffer->bytes, error);
+    if (status == TIDES_OK && grown.near && buffer->bytes) /* waits for commands, also where nothing is kept */
+        status = move_near(device, grown.near, buffer->near, kept, error);
     if (status != TIDES_OK) goto done;
-    if (buffer->bytes && !grown.near)
-        TD_CL(clEnqueueCopyBuffer(device->queue, buffer->memory, grown.memory, 0, 0, buffer->bytes, 0, NULL, NULL));
+    if (kept && !grown.near) TD_CL(clEnqueueCopyBuffer(device->queue, buffer->memory, grown.memory, 0, 0, kept, 0, NULL, NULL));
     td_buffer_release(buffer); /* after the copy has finished */
     *buffer = grown;
     return status;

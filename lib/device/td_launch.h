@@ -17,8 +17,9 @@ enum { TD_BUFFER_SLACK = 16 * sizeof(cl_double) };
 tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error);
 void td_buffer_release(td_buffer *buffer);
 
-/* Grows a buffer and keeps its contents. */
-tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error);
+/* Grows a buffer and keeps its first `kept` bytes, or all of its contents if those are fewer. What lies behind them isn't
+ * copied: that would touch pages that nothing was written to. */
+tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t kept, size_t bytes, tides_error *error);
 
 /* Reserves and copies `bytes` from host memory; blocking. */
 tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error);

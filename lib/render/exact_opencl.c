@@ -17,6 +17,7 @@ typedef struct opencl_exact {
     td_buffer views, jobs, gaussians, places;                       /* a request */
     td_buffer from, to, lengths;                                    /* paths whose intervals are halved */
     td_buffer rows, beside;
+    int row_count; /* rows of the last request */
 } opencl_exact;
 
 static tides_status write_doubles(opencl_exact *e, td_buffer *buffer, size_t first, const double *from, size_t count,
@@ -29,11 +30,14 @@ static tides_status move(td_exact *exact, const td_moved_rows *moved, tides_erro
     size_t row = (size_t)moved->row, count = (size_t)moved->count, end = row + count, first = row - (size_t)exact->gaussians;
     size_t skipped = (size_t)e->first_rate, sh = exact->moves_sh ? (size_t)exact->sh_stride : 0, stride = TD_GEOMETRY_STRIDE;
     size_t real = sizeof(double);
-    tides_status status = td_buffer_grow(e->device, &e->owners, 2 * (end - (size_t)exact->gaussians) * sizeof(cl_int), error);
-    if (status == TIDES_OK) status = td_buffer_grow(e->device, &e->geometry, end * stride * real, error);
-    if (status == TIDES_OK) status = td_buffer_grow(e->device, &e->rates, (end - skipped) * stride * real, error);
-    if (status == TIDES_OK && sh) status = td_buffer_grow(e->device, &e->sh, end * sh * real, error);
-    if (status == TIDES_OK && sh) status = td_buffer_grow(e->device, &e->sh_rates, (end - skipped) * sh * real, error);
+    tides_status status = td_buffer_grow(e->device, &e->owners, 2 * first * sizeof(cl_int),
+                                         2 * (end - (size_t)exact->gaussians) * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_buffer_grow(e->device, &e->geometry, row * stride * real, end * stride * real, error);
+    if (status == TIDES_OK)
+        status = td_buffer_grow(e->device, &e->rates, (row - skipped) * stride * real, (end - skipped) * stride * real, error);
+    if (status == TIDES_OK && sh) status = td_buffer_grow(e->device, &e->sh, row * sh * real, end * sh * real, error);
+    if (status == TIDES_OK && sh)
+        status = td_buffer_grow(e->device, &e->sh_rates, (row - skipped) * sh * real, (end - skipped) * sh * real, error);
     if (status == TIDES_OK)
         status = td_buffer_write_at(e->device, &e->owners, 2 * first * sizeof(cl_int), moved->owners,
                                     2 * count * sizeof(cl_int), error);
@@ -47,9 +51,14 @@ static tides_status move(td_exact *exact, const td_moved_rows *moved, tides_erro
 
 /* Makes room for `count` rows, and for the values beside them; where paths aren't by channels, one number. */
 static tides_status grow_rows(opencl_exact *e, int count, tides_error *error) {
-    const size_t rows = (size_t)count, beside = e->by_channels ? rows * TD_BESIDE_STRIDE : 1;
-    const tides_status status = td_buffer_grow(e->device, &e->rows, rows * TD_PATH_STRIDE * sizeof(double), error);
-    return status == TIDES_OK ? td_buffer_grow(e->device, &e->beside, beside * sizeof(double), error) : status;
+    const size_t rows = (size_t)count, kept = (size_t)e->row_count, real = sizeof(double);
+    const size_t beside = e->by_channels ? rows * TD_BESIDE_STRIDE : 1;
+    tides_status status =
+        td_buffer_grow(e->device, &e->rows, kept * TD_PATH_STRIDE * real, rows * TD_PATH_STRIDE * real, error);
+    if (status == TIDES_OK)
+        status = td_buffer_grow(e->device, &e->beside, kept * TD_BESIDE_STRIDE * real, beside * real, error);
+    if (status == TIDES_OK) e->row_count = count;
+    return status;
 }
 
 static tides_status send(opencl_exact *e, const td_node_request *request, tides_error *error) {

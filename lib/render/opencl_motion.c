@@ -91,21 +91,22 @@ void td_opencl_motion_release(opencl_backend *b) {
     free(b->motion.move_kernel);
 }
 
-/* Makes room for moved rows up to row `end`, and keeps existing ones. */
-static tides_status grow_rows(opencl_backend *b, size_t end, tides_error *error) {
-    size_t rows = end - (size_t)b->gaussians, row = TD_GEOMETRY_STRIDE * sizeof(cl_float);
+/* Makes room for moved rows up to row `end`, and keeps those before row `first`. */
+static tides_status grow_rows(opencl_backend *b, size_t first, size_t end, tides_error *error) {
+    size_t rows = end - (size_t)b->gaussians, kept = first - (size_t)b->gaussians, row = TD_GEOMETRY_STRIDE * sizeof(cl_float);
     size_t sh = b->motion.moves_sh ? (size_t)b->image.sh_stride * sizeof(cl_float) : 0;
-    tides_status status = td_buffer_grow(b->device, &b->motion.owners, 2 * rows * sizeof(cl_int), error);
-    if (status == TIDES_OK) status = td_buffer_grow(b->device, &b->scene.geometry, end * row, error);
-    if (status == TIDES_OK) status = td_buffer_grow(b->device, &b->scene.rates, rows * row, error);
-    if (status == TIDES_OK && sh) status = td_buffer_grow(b->device, &b->scene.sh, end * sh, error);
-    if (status == TIDES_OK && sh) status = td_buffer_grow(b->device, &b->scene.sh_rates, rows * sh, error);
+    tides_status status =
+        td_buffer_grow(b->device, &b->motion.owners, 2 * kept * sizeof(cl_int), 2 * rows * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_buffer_grow(b->device, &b->scene.geometry, first * row, end * row, error);
+    if (status == TIDES_OK) status = td_buffer_grow(b->device, &b->scene.rates, kept * row, rows * row, error);
+    if (status == TIDES_OK && sh) status = td_buffer_grow(b->device, &b->scene.sh, first * sh, end * sh, error);
+    if (status == TIDES_OK && sh) status = td_buffer_grow(b->device, &b->scene.sh_rates, kept * sh, rows * sh, error);
     return status;
 }
 
 static tides_status send_moves(opencl_backend *b, const td_move_batch *moves, tides_error *error) {
     size_t jobs = (size_t)moves->kind_first[b->motion.kinds], first = (size_t)(moves->row - b->gaussians);
-    tides_status status = grow_rows(b, (size_t)moves->row + (size_t)moves->row_count, error);
+    tides_status status = grow_rows(b, (size_t)moves->row, (size_t)moves->row + (size_t)moves->row_count, error);
     if (status == TIDES_OK)
         status = td_buffer_write_at(b->device, &b->motion.owners, 2 * first * sizeof(cl_int), moves->owners,
                                     2 * (size_t)moves->row_count * sizeof(cl_int), error);

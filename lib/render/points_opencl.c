@@ -130,12 +130,12 @@ static tides_status make_splats(opencl_points *p, const td_points_group *added, 
     return td_launch(p->device, p->splat_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
-/* Room for so many curves; those that there are stay. */
-static tides_status grow_curves(opencl_points *p, size_t curves, tides_error *error) {
-    const tides_status status =
-        td_buffer_grow(p->device, &p->interval.curves, (curves + 1) * CURVE_REALS * sizeof(cl_double), error);
-    if (status != TIDES_OK) return status;
-    return td_buffer_grow(p->device, &p->beside, p->by_channels ? (curves + 1) * BESIDE_REALS * sizeof(cl_double) : 1, error);
+/* Room for curves up to number `end`; those before number `first` stay. */
+static tides_status grow_curves(opencl_points *p, size_t first, size_t end, tides_error *error) {
+    const size_t curve = CURVE_REALS * sizeof(cl_double), beside = p->by_channels ? BESIDE_REALS * sizeof(cl_double) : 0;
+    const tides_status status = td_buffer_grow(p->device, &p->interval.curves, first * curve, (end + 1) * curve, error);
+    return status == TIDES_OK ? td_buffer_grow(p->device, &p->beside, first * beside, beside ? (end + 1) * beside : 1, error)
+                              : status;
 }
 
 /* Reserves curves, of which there are none yet. If the host's memory is the device's, memory that isn't written takes no room,
@@ -194,7 +194,7 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
 static tides_status add(td_points_engine *engine, const td_points_group *added, tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
     const size_t curves = (size_t)added->curves, seen = (size_t)added->seen_count * sizeof(cl_int);
-    tides_status status = grow_curves(p, (size_t)added->first + curves, error);
+    tides_status status = grow_curves(p, (size_t)added->first, (size_t)added->first + curves, error);
     if (status == TIDES_OK) status = td_buffer_write(p->device, &p->group.row, added->row, 2 * curves * sizeof(cl_int), error);
     if (status == TIDES_OK)
         status = td_buffer_write(p->device, &p->group.lengths, added->lengths, curves * sizeof(cl_double), error);

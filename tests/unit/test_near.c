@@ -37,7 +37,7 @@ static void use_buffer(tides_device *device, int near) {
     assert_int_equal(buffer.near != NULL, near);
     scene_expect_ok(td_buffer_read(device, &buffer, to, COUNT * sizeof *to, &error), &error);
     assert_memory_equal(to, from, COUNT * sizeof *to);
-    scene_expect_ok(td_buffer_grow(device, &buffer, 2 * COUNT * sizeof *from, &error), &error);
+    scene_expect_ok(td_buffer_grow(device, &buffer, COUNT * sizeof *from, 2 * COUNT * sizeof *from, &error), &error);
     const size_t skipped = FIRST * sizeof *from, part = PART * sizeof *from;
     scene_expect_ok(td_buffer_write_at(device, &buffer, skipped, from + COUNT, part, &error), &error);
     memcpy(from + FIRST, from + COUNT, part);
@@ -100,7 +100,7 @@ static void lend_buffer(tides_device *device, int near) {
     assert_int_equal(buffer.near == from, near);
     scene_expect_ok(td_buffer_read(device, &buffer, to, sizeof to, &error), &error);
     assert_memory_equal(to, kept, sizeof kept);
-    scene_expect_ok(td_buffer_grow(device, &buffer, 2 * sizeof kept, &error), &error);
+    scene_expect_ok(td_buffer_grow(device, &buffer, SIZE_MAX, 2 * sizeof kept, &error), &error);
     assert_ptr_not_equal(buffer.near, from);
     scene_expect_ok(td_buffer_read(device, &buffer, to, sizeof to, &error), &error);
     assert_memory_equal(to, kept, sizeof kept);
