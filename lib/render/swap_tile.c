@@ -15,8 +15,8 @@ enum { MOST_PAIRS = 1 << 20 };
 /* Allowance for splats whose colour depends on the view: their light may differ by this share beside the constant terms. */
 static const double by_view = 0.1;
 
-/* Splats of a tile in which slow swaps within a body, and of splats that motion models move, are searched too. In denser tiles
- * the search would take 20 % of the demo's time, and each splat counts for less. */
+/* Splats of a tile in which all slow swaps within a body, and of splats that motion models move, are searched too. In denser
+ * tiles the search would take 20 % of the demo's time, and each splat counts for less. */
 enum { FEW_SPLATS = 128 };
 
 static double depth_rate_at(const td_view *view, const double *mean) {
@@ -92,8 +92,16 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
     to->z_dot = z_dot;
 }
 
+/* The longest swap within a body, or of a splat that a motion model moves, that is searched in a tile with so many splats. It
+ * falls as their pairs grow, down to that of dense tiles at 287 splats. (check_lost, crowd 4020: a swap within a body of 5.03 %
+ * of the interval, in a tile with more than 128, between two looks of a step of a quarter of the interval.) */
+static double slow_in(int splats) {
+    const double share = td_lesser(FEW_SPLATS / (double)splats, 1);
+    return td_greater(TD_SWAP_SLOW * share * share, TD_SWAP_SLOW_WITHIN);
+}
+
 /* The least `may` of splats that are searched for swaps within their bodies, in a tile with so many splats. */
-static int least_within(int splats) { return splats <= FEW_SPLATS ? TD_MAY_SLOWLY : TD_MAY_SHORTLY; }
+static int least_within(int splats) { return slow_in(splats) > TD_SWAP_SLOW_WITHIN ? TD_MAY_SLOWLY : TD_MAY_SHORTLY; }
 
 /* Takes the splats of a tile's list that may swap. Takes none if all are of one body within which no swap is possible. */
 static tides_status take_splats(const tides_renderer *renderer, td_swap_tile *of, int *count, int *bodies, int *within) {
@@ -127,9 +135,6 @@ static tides_status take_splats(const tides_renderer *renderer, td_swap_tile *of
     }
     return status;
 }
-
-/* The longest swap within a body, or of a splat that a motion model moves, that is searched in a tile with so many splats. */
-static double slow_in(int splats) { return splats <= FEW_SPLATS ? TD_SWAP_SLOW : TD_SWAP_SLOW_WITHIN; }
 
 /* Checks pairs of splats of different bodies. */
 static void look_across(td_swap_tile *of, const td_swap_splat *const *all, int count, double near) {

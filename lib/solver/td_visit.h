@@ -57,6 +57,10 @@ void td_find_swapped(td_visit *v);
 /* 1 where change n is as accurate as required; its worth is set. */
 int td_is_known(const td_visit *v, int n);
 
+/* 1 where a piece is so short that rounding of looks outweighs how far its cubic is from a parabola with its slopes: its values
+ * say nothing of how it bends. */
+int td_is_blurred(const td_visit *v, int k);
+
 /* Finds pieces whose error may exceed the distance to a level, and the worst place of each, `most` at most. Returns their
  * number. *grazes: turns that are nearer to a level than looks are accurate. */
 int td_find_approaches(const td_visit *v, td_approach *found, int most, int *grazes);

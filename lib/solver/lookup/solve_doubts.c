@@ -23,6 +23,12 @@ int td_is_known(const td_visit *v, int n) {
     return td_timing_reach(at->slope, at->bend, at->error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
 }
 
+int td_is_blurred(const td_visit *v, int k) {
+    const double *b = v->model.pieces.model[k].control;
+    const double by_slopes = 1.5 * (b[1] - b[0] + b[3] - b[2]);
+    return !v->s->solve.is_exact && fabs(b[3] - b[0] - by_slopes) <= 2 * v->model.floor;
+}
+
 /* 1 where a refractory period is on at s, after n changes. */
 static int is_held_at(const td_visit *v, int n, double s) {
     const td_sensor *sensor = &v->s->sensor;
@@ -264,7 +270,9 @@ int td_find_approaches(const td_visit *v, td_approach *found, int most, int *gra
     *grazes = 0;
     for (int k = 0; k < pieces->count && count < most; k++) {
         double places[2];
-        const int turns = td_model_extrema(&pieces->model[k], places);
+        const double *b = pieces->model[k].control;
+        const int is_straight = td_is_blurred(v, k) && (b[1] - b[0]) * (b[3] - b[2]) > 0;
+        const int turns = is_straight ? 0 : td_model_extrema(&pieces->model[k], places);
         td_approach worst = {.left = INFINITY};
         for (int i = 0; i < turns; i++) {
             td_approach at = approach_at(v, k, places[i]);

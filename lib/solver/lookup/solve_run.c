@@ -84,9 +84,11 @@ static void weigh(td_visit *v) {
         const td_change *change = &v->changes.change[n];
         k = td_pieces_find_from(pieces, k, change->s);
         const double sign = change->polarity ? change->polarity : 1, per = 1 / (pieces->from[k + 1] - pieces->from[k]);
-        const double u = td_pieces_place(pieces, k, change->s);
-        v->worth[n].slope = sign * per * td_model_slope(&pieces->model[k], u);
-        v->worth[n].bend = sign * per * per * td_model_curvature(&pieces->model[k], u);
+        const double u = td_pieces_place(pieces, k, change->s), *b = pieces->model[k].control;
+        const double first = 3 * (b[1] - b[0]), turned = 3 * (b[3] - b[2]) - first;
+        const int is_blurred = td_is_blurred(v, k);
+        v->worth[n].slope = sign * per * (is_blurred ? first + u * turned : td_model_slope(&pieces->model[k], u));
+        v->worth[n].bend = sign * per * per * (is_blurred ? turned : td_model_curvature(&pieces->model[k], u));
         v->worth[n].error = td_trusted_error(&v->model, k, u);
     }
 }
