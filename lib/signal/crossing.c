@@ -121,10 +121,12 @@ static void go(td_crossing_walk *walk, double reference, double rise, double kno
     walk->s = walk->low = td_level_solve(&at, walk->low, knot, value);
 }
 
-/* 1 where the signal ends or turns at a knot, at a level. It is flat there, so that no later part passes the level. */
+/* 1 where the signal ends or turns at a knot, at a level. It is flat there, so that no later part passes the level. Levels that
+ * are hardly further apart have no ties: a signal at rest would reach one after the other without end. */
 static int is_tie(const td_crossing_walk *walk, double knot, double residual, double threshold_on, double threshold_off) {
-    static const double flat = 16; /* [ties] change over the model at the knot's slope */
+    static const double flat = 16, apart = 4; /* [ties] change over the model at the knot's slope; least threshold */
     if (!(fabs(residual - threshold_on) < walk->tie || fabs(residual + threshold_off) < walk->tie)) return 0;
+    if (!(apart * walk->tie < threshold_on && apart * walk->tie < threshold_off)) return 0;
     return fabs(td_model_slope(&walk->model, knot)) < flat * walk->tie;
 }
 
