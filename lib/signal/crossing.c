@@ -51,7 +51,7 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
     walk->model = *model;
     walk->step = step;
     walk->near = 0;
-    walk->s = walk->low = walk->tie = 0.0;
+    walk->s = walk->low = walk->tie = walk->flat = 0.0;
     walk->next = 0;
     walk->knots = 0;
     walk->knot[walk->knots] = 0.0;
@@ -124,10 +124,10 @@ static void go(td_crossing_walk *walk, double reference, double rise, double kno
 /* 1 where the signal ends or turns at a knot, at a level. It is flat there, so that no later part passes the level. Levels that
  * are hardly further apart have no ties: a signal at rest would reach one after the other without end. */
 static int is_tie(const td_crossing_walk *walk, double knot, double residual, double threshold_on, double threshold_off) {
-    static const double flat = 16, apart = 4; /* [ties] change over the model at the knot's slope; least threshold */
+    static const double apart = 4; /* [ties] least threshold */
     if (!(fabs(residual - threshold_on) < walk->tie || fabs(residual + threshold_off) < walk->tie)) return 0;
     if (!(apart * walk->tie < threshold_on && apart * walk->tie < threshold_off)) return 0;
-    return fabs(td_model_slope(&walk->model, knot)) < flat * walk->tie;
+    return fabs(td_model_slope(&walk->model, knot)) < walk->flat;
 }
 
 int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_on, double threshold_off) {

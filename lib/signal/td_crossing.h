@@ -26,7 +26,8 @@ typedef struct td_crossing_walk {
     const td_step *step;
     double low; /* the last exact place, */
     int near;   /* and the number of crossings since, whose places are near only */
-    double tie; /* a signal that ends or turns so near a level, on either side, reaches it where it comes so near */
+    double tie;  /* a signal that ends or turns so near a level, on either side, reaches it where it comes so near, */
+    double flat; /* where its slope there is less than this */
     td_crossed crossed[TD_CROSSED_MAX];
 } td_crossing_walk;
 
