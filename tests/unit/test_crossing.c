@@ -313,12 +313,12 @@ static void ties_are_reached(void **state) {
         const td_model steep = td_model_fit(TIDES_MODEL_HERMITE, 1, 0.1 + off_by[k], -0.1, off_by[k], -0.1);
         td_crossing_walk walk;
         td_crossing_begin(&walk, &falls, NULL);
-        walk.tie = tie, walk.flat = 16 * tie;
+        walk.tie = (td_tie){tie, 16 * tie};
         assert_int_equal(td_crossing_next(&walk, 0.2, 0.2, 0.2), -1);
         assert_near(td_model_value(&falls, walk.s), tie, 1e-16);
         assert_int_equal(td_crossing_next(&walk, 0, 0.2, 0.2), 0);
         td_crossing_begin(&walk, &steep, NULL);
-        walk.tie = tie, walk.flat = 16 * tie;
+        walk.tie = (td_tie){tie, 16 * tie};
         assert_int_equal(td_crossing_next(&walk, 0.2, 0.2, 0.2), off_by[k] <= 0 ? -1 : 0);
         if (off_by[k] < 0) assert_near(td_model_value(&steep, walk.s), 0, 1e-16);
     }
@@ -335,7 +335,7 @@ static void no_ties_between_near_levels(void **state) {
         int fired = 0, polarity = 0;
         td_crossing_walk walk;
         td_crossing_begin(&walk, &rests, NULL);
-        walk.tie = 1e-9, walk.flat = 16e-9;
+        walk.tie = (td_tie){1e-9, 16e-9};
         for (; fired < 100 && (polarity = td_crossing_next(&walk, reference, on, off)) != 0; fired++)
             reference += polarity > 0 ? on : -off;
         assert_int_equal(fired, 0);
