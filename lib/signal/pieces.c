@@ -48,8 +48,8 @@ double td_pieces_slope(const td_pieces *pieces, double s) {
 
 static double within(double s, double low, double high) { return s < low ? low : s > high ? high : s; }
 
-/* A tie, as a share of 1 + |S|. Without it 44 407 per million events of slider_depth in orbit were in doubt, with four times the
- * rounding of S 1255, and with this 31: the crossing isn't as flat. */
+/* A tie, as a share of 1 + |S|. Without it 44 407 per million events of slider_depth in orbit were in doubt, with four times
+ * the rounding of S 1255, and with this 31: the crossing isn't as flat. */
 static const double near = 0x1p-31;
 
 /* At rest, the slope is less than so many ties per piece, and so many per step. With the limit per piece alone, looks that are
