@@ -2,11 +2,11 @@
  *
  * The state between two steps is S and S_dot, and per pixel the initial S and the number of events; the reference follows
  * from these. Layout of the HDF5 file, version 7 (1 lacked the totals of motion; in 2 `time` was absolute; 3 lacked the
- * totals of probes; 4 had other names for some totals; 5 had fewer keys in /run_is; 6 had
- * sums of squares for the number of measured events):
+ * totals of probes; 4 had other names for some totals; 5 had fewer keys in /run_is; 6 had sums of squares in place of the
+ * number of measured events):
  *
  *     /                    attributes  format           text    "tides-checkpoint"
- *                                      version          int     6
+ *                                      version          int     7
  *                                      tides_version    text    of the writer; for people
  *                                      run              text    the run file as JSON, or ""
  *                                      step             double  number of the grid point reached

@@ -12,16 +12,10 @@
 
 #include <math.h>
 
-/* A looked-up signal that ends or turns within this share of 1 + |S| of a level reaches it. A pixel before an even backdrop
- * returns exactly to its first level, where rounding would decide. Without a share 44 407 per million events of slider_depth in
- * orbit were in doubt, with four times the rounding of S 1255, and with this 31: the crossing isn't as flat. */
-#define TD_IDEAL_TIE 0x1p-31
-
 /* A pixel on its way through the step. */
 typedef struct td_ideal {
     uint16_t x, y;
     double on, off, initial, reference;
-    double tie; /* as td_crossing_walk's */
     uint32_t count_on, count_off;
     int32_t fired;
 } td_ideal;
@@ -41,13 +35,13 @@ static inline tides_status td_ideal_fire(td_pixel_job *job, td_ideal *at, int64_
 /* Fires the model's events. The model holds on [from, from + length] of the step. `*cut` becomes 1 where there were more than
  * max_events_per_step. */
 static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, const td_model *model, double from, double length,
-                                           int *cut) {
+                                           const td_tie *tie, int *cut) {
     td_crossing_walk walk;
     td_step part = *job->step;
     part.start_fraction += from * part.length_ns;
     part.length_ns *= length;
     td_crossing_begin(&walk, model, &part);
-    walk.tie = at->tie;
+    if (tie) walk.tie = *tie;
     for (;;) {
         int polarity = td_crossing_next(&walk, at->reference, at->on, at->off);
         if (polarity == 0) return TIDES_OK;
@@ -66,8 +60,11 @@ static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, cons
 /* td_ideal_follow over the pieces of a model, one by one. */
 static inline tides_status td_ideal_follow_pieces(td_pixel_job *job, td_ideal *at, const td_pieces *pieces, int *cut) {
     tides_status status = TIDES_OK;
-    for (int k = 0; k < pieces->count && status == TIDES_OK && !*cut; k++)
-        status = td_ideal_follow(job, at, &pieces->model[k], pieces->from[k], pieces->from[k + 1] - pieces->from[k], cut);
+    for (int k = 0; k < pieces->count && status == TIDES_OK && !*cut; k++) {
+        const double length = pieces->from[k + 1] - pieces->from[k];
+        const td_tie tie = td_pieces_tie(pieces, k);
+        status = td_ideal_follow(job, at, &pieces->model[k], pieces->from[k], length, &tie, cut);
+    }
     return status;
 }
 
@@ -95,7 +92,6 @@ static inline TIDES_MUST_CHECK tides_status td_ideal_advance(td_pixel_job *job, 
     td_ideal at = {.x = x, .y = y, .initial = pixels->initial[i], .reference = pixels->reference[i]};
     at.on = job->sensor->sensor.threshold_on;
     at.off = job->sensor->sensor.threshold_off;
-    at.tie = pieces ? TD_IDEAL_TIE * (1 + fabs(S1)) : 0;
     at.count_on = pixels->count_on[i];
     at.count_off = pixels->count_off[i];
 
@@ -103,7 +99,7 @@ static inline TIDES_MUST_CHECK tides_status td_ideal_advance(td_pixel_job *job, 
     int cut = 0, can_end = isfinite(S1) && isfinite(at.reference);
     job->counts.solved++;
     if (can_end && td_model_is_finite(model))
-        status = pieces ? td_ideal_follow_pieces(job, &at, pieces, &cut) : td_ideal_follow(job, &at, model, 0, 1, &cut);
+        status = pieces ? td_ideal_follow_pieces(job, &at, pieces, &cut) : td_ideal_follow(job, &at, model, 0, 1, NULL, &cut);
     else
         job->counts.nonfinite++;
     if (status == TIDES_OK && can_end)

@@ -51,7 +51,8 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
     walk->model = *model;
     walk->step = step;
     walk->near = 0;
-    walk->s = walk->low = walk->tie = 0.0;
+    walk->s = walk->low = 0.0;
+    walk->tie = (td_tie){0, 0};
     walk->next = 0;
     walk->knots = 0;
     walk->knot[walk->knots] = 0.0;
@@ -121,18 +122,21 @@ static void go(td_crossing_walk *walk, double reference, double rise, double kno
     walk->s = walk->low = td_level_solve(&at, walk->low, knot, value);
 }
 
-/* 1 where the signal ends or turns at a knot, at a level. It is flat there, so that no later part passes the level. */
+/* 1 where the signal ends or turns at a knot, at a level. It is flat there, so that no later part passes the level. Levels that
+ * are hardly further apart have no ties: a signal at rest would reach one after the other without end. */
 static int is_tie(const td_crossing_walk *walk, double knot, double residual, double threshold_on, double threshold_off) {
-    static const double flat = 16; /* [ties] change over the model at the knot's slope */
-    if (!(fabs(residual - threshold_on) < walk->tie || fabs(residual + threshold_off) < walk->tie)) return 0;
-    return fabs(td_model_slope(&walk->model, knot)) < flat * walk->tie;
+    static const double apart = 4; /* [ties] least threshold */
+    const td_tie *tie = &walk->tie;
+    if (!(fabs(residual - threshold_on) < tie->near || fabs(residual + threshold_off) < tie->near)) return 0;
+    if (!(apart * tie->near < threshold_on && apart * tie->near < threshold_off)) return 0;
+    return fabs(td_model_slope(&walk->model, knot)) < tie->flat;
 }
 
 int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_on, double threshold_off) {
     for (; walk->next < walk->knots; walk->next++) {
         double knot = walk->knot[walk->next], value = walk->value[walk->next];
         double residual = value - reference;
-        const double tie = is_tie(walk, knot, residual, threshold_on, threshold_off) ? walk->tie : 0;
+        const double tie = is_tie(walk, knot, residual, threshold_on, threshold_off) ? walk->tie.near : 0;
         const double on = threshold_on - tie, off = threshold_off - tie;
         int polarity = residual >= on ? 1 : residual <= -off ? -1 : 0;
         if (polarity) {
@@ -162,10 +166,11 @@ static void cut(td_crossing_walk *walk, double from, double to) {
     walk->value[walk->knots++] = td_model_value(&all.model, to);
 }
 
-int td_crossing_within(const td_model *model, double reference, double threshold_on, double threshold_off, double from,
-                       double to, double *s) {
+int td_crossing_within(const td_model *model, const td_tie *tie, double reference, double threshold_on, double threshold_off,
+                       double from, double to, double *s) {
     td_crossing_walk walk;
     td_crossing_begin(&walk, model, NULL);
+    if (tie) walk.tie = *tie;
     cut(&walk, from, to);
     int polarity = td_crossing_next(&walk, reference, threshold_on, threshold_off);
     *s = walk.s;

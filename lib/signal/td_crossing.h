@@ -16,6 +16,12 @@ typedef struct td_crossed {
 
 enum { TD_CROSSED_MAX = 8 };
 
+/* A signal that ends or turns so `near` a level, on either side, reaches it where it comes so near, if its slope there is less
+ * than `flat`. 0 and 0: it must reach the level itself. */
+typedef struct td_tie {
+    double near, flat;
+} td_tie;
+
 /* A walk along the model that stops at each crossing. */
 typedef struct td_crossing_walk {
     td_model model;
@@ -26,7 +32,7 @@ typedef struct td_crossing_walk {
     const td_step *step;
     double low; /* the last exact place, */
     int near;   /* and the number of crossings since, whose places are near only */
-    double tie; /* a signal that ends or turns so near a level, on either side, reaches it where it comes so near */
+    td_tie tie;
     td_crossed crossed[TD_CROSSED_MAX];
 } td_crossing_walk;
 
@@ -39,8 +45,9 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
  * s = 0 already gives s = 0. Crossings come in time order. Work is bounded for any input, and NaN reaches nothing. */
 int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_on, double threshold_off);
 
-/* The first crossing in [from, to] alone, `from` <= `to` within [0, 1]: its polarity, and its place; 0 where there is none. */
-int td_crossing_within(const td_model *model, double reference, double threshold_on, double threshold_off, double from,
-                       double to, double *s);
+/* The first crossing in [from, to] alone, `from` <= `to` within [0, 1]: its polarity, and its place; 0 where there is none.
+ * `tie` may be NULL. */
+int td_crossing_within(const td_model *model, const td_tie *tie, double reference, double threshold_on, double threshold_off,
+                       double from, double to, double *s);
 
 #endif

@@ -4,6 +4,7 @@
 #ifndef TD_PIECES_H
 #define TD_PIECES_H
 
+#include "td_crossing.h"
 #include "td_model.h"
 
 /* The signal at a place of a step. */
@@ -54,8 +55,11 @@ double td_pieces_value(const td_pieces *pieces, double s);
 /* Slope and curvature, per step. */
 double td_pieces_slope(const td_pieces *pieces, double s);
 
+/* The tie of piece k. A pixel before an even backdrop returns exactly to its first level, where rounding would decide. */
+td_tie td_pieces_tie(const td_pieces *pieces, int k);
+
 /* The first s in [from, to] at which S - reference >= threshold_on (returns +1) or <= -threshold_off (-1); 0 if there is
- * none. */
+ * none. Ties are reached. */
 int td_pieces_crossing(const td_pieces *pieces, double reference, double threshold_on, double threshold_off, double from,
                        double to, double *s);
 

@@ -42,7 +42,7 @@ static void add_splats(judged *j) {
     tides_trajectory_destroy(path);
 }
 
-static void pass(const char *device, double threshold, double backdrop) {
+static void pass(const char *device, double threshold, double backdrop, double refractory_s, int32_t law) {
     judged j = judged_make("ties", WIDTH, HEIGHT, STOP);
     judged_stream stream = {0};
     tides_stats stats;
@@ -50,6 +50,8 @@ static void pass(const char *device, double threshold, double backdrop) {
     judged_look_up(&j);
     add_splats(&j);
     j.sensor.threshold_on = j.sensor.threshold_off = threshold;
+    j.sensor.refractory_s = refractory_s;
+    j.sensor.refractory_law = law;
     for (int c = 0; c < 3; c++) j.image.background[c] = backdrop;
     const int is_there = judged_simulate(&j, device, &stream, &stats);
     judged_free(&j);
@@ -70,12 +72,22 @@ static void test_returns(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof thresholds / sizeof *thresholds; k++)
         for (size_t i = 0; i < sizeof backdrops / sizeof *backdrops; i++) {
-            pass("reference", thresholds[k], backdrops[i]);
-            pass("cpu", thresholds[k], backdrops[i]);
+            pass("reference", thresholds[k], backdrops[i], 0, TIDES_REFRACTORY_HOLD);
+            pass("cpu", thresholds[k], backdrops[i], 0, TIDES_REFRACTORY_HOLD);
         }
 }
 
+/* A refractory period of a nanosecond drops nothing, but has pixels with blocks. */
+static void test_returns_with_blocks(void **state) {
+    static const int32_t laws[] = {TIDES_REFRACTORY_DROP_KEEP, TIDES_REFRACTORY_DROP_CONSUME};
+    (void)state;
+    for (size_t k = 0; k < sizeof laws / sizeof *laws; k++) {
+        pass("reference", 0.2, 0.3, 1e-9, laws[k]);
+        pass("cpu", 0.2, 0.3, 1e-9, laws[k]);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_returns)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_returns), cmocka_unit_test(test_returns_with_blocks)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -313,14 +313,32 @@ static void ties_are_reached(void **state) {
         const td_model steep = td_model_fit(TIDES_MODEL_HERMITE, 1, 0.1 + off_by[k], -0.1, off_by[k], -0.1);
         td_crossing_walk walk;
         td_crossing_begin(&walk, &falls, NULL);
-        walk.tie = tie;
+        walk.tie = (td_tie){tie, 16 * tie};
         assert_int_equal(td_crossing_next(&walk, 0.2, 0.2, 0.2), -1);
         assert_near(td_model_value(&falls, walk.s), tie, 1e-16);
         assert_int_equal(td_crossing_next(&walk, 0, 0.2, 0.2), 0);
         td_crossing_begin(&walk, &steep, NULL);
-        walk.tie = tie;
+        walk.tie = (td_tie){tie, 16 * tie};
         assert_int_equal(td_crossing_next(&walk, 0.2, 0.2, 0.2), off_by[k] <= 0 ? -1 : 0);
         if (off_by[k] < 0) assert_near(td_model_value(&steep, walk.s), 0, 1e-16);
+    }
+}
+
+/* Levels that are nearer together than ties: a signal at rest reaches none of them, and work is bounded. */
+static void no_ties_between_near_levels(void **state) {
+    (void)state;
+    static const double thresholds[][2] = {{1e-10, 1e-10}, {0.2, 1e-10}, {1e-10, 0.2}, {1.9e-9, 1.9e-9}};
+    for (size_t k = 0; k < sizeof thresholds / sizeof *thresholds; k++) {
+        const td_model rests = td_model_fit(TIDES_MODEL_HERMITE, 1, 0, 0, 0, 0);
+        const double on = thresholds[k][0], off = thresholds[k][1];
+        double reference = 0;
+        int fired = 0, polarity = 0;
+        td_crossing_walk walk;
+        td_crossing_begin(&walk, &rests, NULL);
+        walk.tie = (td_tie){1e-9, 16e-9};
+        for (; fired < 100 && (polarity = td_crossing_next(&walk, reference, on, off)) != 0; fired++)
+            reference += polarity > 0 ? on : -off;
+        assert_int_equal(fired, 0);
     }
 }
 
@@ -342,6 +360,7 @@ int main(void) {
         cmocka_unit_test(values_that_are_no_numbers_do_no_harm),
         cmocka_unit_test(many_turn_where_each_does),
         cmocka_unit_test(ties_are_reached),
+        cmocka_unit_test(no_ties_between_near_levels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

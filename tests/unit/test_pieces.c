@@ -262,14 +262,60 @@ static void test_out_of_reach(void **state) {
     rig_free(r);
 }
 
+/* -- ties ---------------------------------------------------------------------------------------------------------------- */
+
+/* One ideal pixel over a step of 10 ms, with these ends and nodes. Returns the number of its events; the first one's time. */
+static size_t fire(const td_ends *ends, const td_node *node, int count, double threshold, int64_t *t) {
+    static const td_tile one = {0, 0, 1, 1};
+    tides_sensor params;
+    td_sensor sensor;
+    td_work work;
+    td_step step;
+    td_pieces pieces;
+    td_changes changes;
+    tides_sensor_defaults(&params);
+    params.threshold_on = params.threshold_off = threshold;
+    memset(&work, 0, sizeof work);
+    assert_int_equal(td_sensor_create(&params, TIDES_MODEL_HERMITE, 1e-3, 0, &(const td_sensor_tiles){&one, 1, 1}, &sensor,
+                                      NULL),
+                     TIDES_OK);
+    assert_int_equal(td_step_between(0, ends->h, &step, NULL), TIDES_OK);
+    td_sensor_begin(&sensor, &ends->S0, NULL);
+    td_pieces_make(&pieces, ends, node, count);
+    const td_sensor_single single = {.step = &step, .ends = ends, .pieces = &pieces, .changes = &changes};
+    assert_int_equal(td_sensor_advance(&sensor, &single, &work, NULL), TIDES_OK);
+    const size_t events = work.events.count;
+    *t = events > 0 ? work.events.events[0].t : -1;
+    free(work.events.events);
+    td_sensor_release(&sensor);
+    return events;
+}
+
+/* A slow signal is at a level only where it passes it, also where it has been looked up twice beside that place: it changes by
+ * 2e-9 between looks, but isn't at rest. One that comes to rest just short of the level reaches it. */
+static void test_slow_signals_have_no_ties(void **state) {
+    static const double before_ns[] = {20, 50, 100, 300};
+    const double slope = 0.02, level = 0.6 * H * slope;
+    const td_ends slow = {H, 0, slope, H * slope, slope}, rests = {H, 0, 0.03, level - 1e-10, 0};
+    int64_t t;
+    (void)state;
+    for (size_t k = 0; k < sizeof before_ns / sizeof *before_ns; k++) {
+        const double s = 0.6 - 1e-9 * before_ns[k] / H;
+        const td_node node[] = {{s, s * H * slope, slope}, {0.6, level + 1e-17, slope}};
+        assert_int_equal(fire(&slow, node, 2, level, &t), 1);
+        if (llabs(t - 6000000) > 1) fail_msg("looks %g ns apart: %g ns early", before_ns[k], 6e6 - (double)t);
+    }
+    const td_node node = {0.999, level - 1e-10, 0};
+    assert_int_equal(fire(&rests, &node, 1, level, &t), 1);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nodes_are_met_and_bound_the_error),
-        cmocka_unit_test(test_ramps),
-        cmocka_unit_test(test_crossings),
-        cmocka_unit_test(test_taken_back),
-        cmocka_unit_test(test_singles_are_the_tile),
-        cmocka_unit_test(test_out_of_reach),
-    };
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_nodes_are_met_and_bound_the_error),
+                                       cmocka_unit_test(test_ramps),
+                                       cmocka_unit_test(test_crossings),
+                                       cmocka_unit_test(test_taken_back),
+                                       cmocka_unit_test(test_singles_are_the_tile),
+                                       cmocka_unit_test(test_out_of_reach),
+                                       cmocka_unit_test(test_slow_signals_have_no_ties)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

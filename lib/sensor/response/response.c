@@ -148,7 +148,7 @@ int td_response_crossing(const td_response *response, double reference, double t
                          double to, double *s) {
     if (response->pieces) return td_pieces_crossing(response->pieces, reference, threshold_on, threshold_off, from, to, s);
     if (response->modes == 0 && !response->source.frontend)
-        return td_crossing_within(&response->cubic, reference, threshold_on, threshold_off, from, to, s);
+        return td_crossing_within(&response->cubic, NULL, reference, threshold_on, threshold_off, from, to, s);
     double low, high;
     *s = to;
     td_response_range(response, &low, &high);
