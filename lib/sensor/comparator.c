@@ -16,6 +16,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { BLOCK = TD_IDEAL_BLOCK };
@@ -349,6 +350,8 @@ void td_work_clear(td_work *work) {
 
 void td_work_release(td_work *work) {
     td_event_buffer_release(&work->events);
+    free(work->slopes.slope);
+    work->slopes = (td_slopes){0};
     td_work_clear(work);
 }
 
@@ -427,7 +430,12 @@ TD_BESIDE static tides_status step_noisy(tile_job *job) {
 tides_status td_sensor_step(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
                             const td_seen *seen, td_work *work, tides_error *error) {
     const size_t before = work->events.count;
-    tile_job job = {.pixel = {.sensor = sensor, .step = step, .light = seen->light, .buffer = &work->events, .error = error},
+    tile_job job = {.pixel = {.sensor = sensor,
+                              .step = step,
+                              .light = seen->light,
+                              .buffer = &work->events,
+                              .slopes = work->slopes.on ? &work->slopes : NULL,
+                              .error = error},
                     .tile = tile,
                     .first = first,
                     .signals = seen->signals,
