@@ -190,7 +190,7 @@ static uint16_t added_at(walk *w, double s) {
     return td_half_bits(added);
 }
 
-/* Of an event whose time doesn't depend on the light. */
+/* The slope of an event whose time doesn't depend on the light. */
 static td_slope free_of_light(int polarity) { return (td_slope){(float)polarity * INFINITY, 0}; }
 
 static const td_slope unknown_slope = {NAN, NAN};

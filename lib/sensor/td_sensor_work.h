@@ -43,6 +43,7 @@ typedef struct td_work {
     td_slopes slopes;
     td_sensor_counts counts;
 } td_work;
+void td_counts_add(td_sensor_counts *sum, const td_sensor_counts *more);
 TIDES_MUST_CHECK tides_status td_work_join(td_work *to, const td_work *piece, tides_error *error);
 void td_work_clear(td_work *work);
 void td_work_release(td_work *work);
