@@ -320,38 +320,6 @@ static tides_status step_pixel(tile_job *job, size_t j) {
 
 /* -- the tile -------------------------------------------------------------------------------------------------------------- */
 
-static void add_counts(td_sensor_counts *sum, const td_sensor_counts *more) {
-    for (int c = 0; c < TIDES_CAUSES; c++) sum->cause[c] += more->cause[c];
-    sum->events_on += more->events_on;
-    sum->events_off += more->events_off;
-    sum->truncated += more->truncated;
-    sum->caught_up += more->caught_up;
-    sum->solved += more->solved;
-    sum->nonfinite += more->nonfinite;
-    sum->suppressed += more->suppressed;
-    sum->refractory += more->refractory;
-}
-
-tides_status td_work_join(td_work *to, const td_work *piece, tides_error *error) {
-    const size_t some = piece->events.count;
-    tides_status status = some > 0 ? td_event_buffer_reserve(&to->events, some, error) : TIDES_OK;
-    if (status != TIDES_OK) return status;
-    if (some > 0) memcpy(to->events.events + to->events.count, piece->events.events, some * sizeof *to->events.events);
-    to->events.count += some;
-    add_counts(&to->counts, &piece->counts);
-    return TIDES_OK;
-}
-
-void td_work_clear(td_work *work) {
-    work->events.count = 0;
-    work->counts = (td_sensor_counts){0};
-}
-
-void td_work_release(td_work *work) {
-    td_event_buffer_release(&work->events);
-    td_work_clear(work);
-}
-
 /* Undoes the events from number `before` on. An ideal pixel's counts follow from its events. */
 static void undo(const tile_job *job, size_t before) {
     const td_sensor *sensor = job->pixel.sensor;
@@ -427,7 +395,12 @@ TD_BESIDE static tides_status step_noisy(tile_job *job) {
 tides_status td_sensor_step(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
                             const td_seen *seen, td_work *work, tides_error *error) {
     const size_t before = work->events.count;
-    tile_job job = {.pixel = {.sensor = sensor, .step = step, .light = seen->light, .buffer = &work->events, .error = error},
+    tile_job job = {.pixel = {.sensor = sensor,
+                              .step = step,
+                              .light = seen->light,
+                              .buffer = &work->events,
+                              .slopes = work->slopes.on ? &work->slopes : NULL,
+                              .error = error},
                     .tile = tile,
                     .first = first,
                     .signals = seen->signals,
@@ -444,7 +417,7 @@ tides_status td_sensor_step(const td_sensor *sensor, const td_step *step, const 
         return status;
     }
     if (!sensor->on) job.pixel.counts.cause[TIDES_CAUSE_SIGNAL] = job.pixel.counts.events_on + job.pixel.counts.events_off;
-    add_counts(&work->counts, &job.pixel.counts);
+    td_counts_add(&work->counts, &job.pixel.counts);
     return TIDES_OK;
 }
 
@@ -489,6 +462,6 @@ tides_status td_sensor_advance(const td_sensor *sensor, const td_sensor_single *
     job.start = td_sensor_time(sensor, single->step->start_ns, single->step->start_fraction);
     single->changes->count = single->changes->lost = 0;
     tides_status status = sensor->on ? advance_pixel(&job, single, &counts) : advance_ideal(&job, single, &counts);
-    add_counts(&work->counts, &counts);
+    td_counts_add(&work->counts, &counts);
     return status;
 }

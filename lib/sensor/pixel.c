@@ -190,12 +190,40 @@ static uint16_t added_at(walk *w, double s) {
     return td_half_bits(added);
 }
 
-static tides_status emit(walk *w, double s, int64_t t, int polarity, int cause) {
+/* The slope of an event whose time doesn't depend on the light. */
+static td_slope free_of_light(int polarity) { return (td_slope){(float)polarity * INFINITY, 0}; }
+
+static const td_slope unknown_slope = {NAN, NAN};
+
+/* How steeply the signal crosses at s, where the search from `from` on has found it beyond a level. Of a signal that was there
+ * at `from` and comes back, the time is that of a kick, or of a mask's end. */
+static td_slope slope_at(const walk *w, double from, double s, int polarity) {
+    const int noisy = w->job->sensor->additive.on;
+    if (!w->job->slopes || (!noisy && !w->job->sensor->kick.on)) return unknown_slope;
+    const double light = td_response_slope(&w->pixel->response, s);
+    const double signal = td_response_slope(noisy ? &w->noisy : &w->kicked, s);
+    if (s <= from && !(polarity * signal > 0)) return free_of_light(polarity);
+    return (td_slope){(float)signal, (float)light};
+}
+
+/* Keeps the slope of the buffer's last event. */
+static tides_status keep_slope(const td_pixel_job *job, const td_slope *slope) {
+    td_slopes *slopes = job->slopes;
+    const size_t count = job->buffer->count;
+    if (!slopes) return TIDES_OK;
+    tides_status status =
+        td_reserve((void **)&slopes->slope, &slopes->capacity, job->buffer->capacity, sizeof *slopes->slope, job->error);
+    if (status == TIDES_OK) slopes->slope[count - 1] = *slope;
+    return status;
+}
+
+static tides_status emit(walk *w, double s, int64_t t, int polarity, int cause, const td_slope *slope) {
     const td_pixel_step *p = w->pixel;
     tides_event event = {.t = t, .x = p->x, .y = p->y, .polarity = (int8_t)polarity, .cause = (uint8_t)cause};
     event.frontend = added_at(w, s);
     w->job->counts.cause[cause]++;
-    return td_pixel_emit(w->job, &event, &w->fired);
+    tides_status status = td_pixel_emit(w->job, &event, &w->fired);
+    return status == TIDES_OK ? keep_slope(w->job, slope) : status;
 }
 
 /* The reference becomes the signal at s. */
@@ -234,8 +262,8 @@ static int cause_of(const walk *w, double s, int polarity) {
 }
 
 /* A crossing at s fires at time t. */
-static tides_status fire(walk *w, double s, int64_t t, int polarity) {
-    tides_status status = emit(w, s, t, polarity, cause_of(w, s, polarity));
+static tides_status fire(walk *w, double s, int64_t t, int polarity, const td_slope *slope) {
+    tides_status status = emit(w, s, t, polarity, cause_of(w, s, polarity), slope);
     if (status != TIDES_OK) return status;
     move_reference(w, s, polarity, 1);
     begin_refractory(w, s);
@@ -269,7 +297,8 @@ static tides_status fire_noise(walk *w, int source, double s) {
     double due = w->job->sensor->noise.due[source][w->pixel->i];
     if (!take_noise(w, source, s)) return TIDES_OK;
     int polarity = source == TD_NOISE_SHOT_OFF ? -1 : 1, cause = source == TD_NOISE_HOT ? TIDES_CAUSE_HOT : TIDES_CAUSE_SHOT;
-    tides_status status = emit(w, s, w->job->sensor->start.ns + (int64_t)due, polarity, cause);
+    const td_slope slope = free_of_light(polarity);
+    tides_status status = emit(w, s, w->job->sensor->start.ns + (int64_t)due, polarity, cause, &slope);
     if (status != TIDES_OK) return status;
     rereference(w, s);
     begin_refractory(w, s);
@@ -360,9 +389,10 @@ static tides_status look(walk *w) {
     }
     if (polarity) {
         if (at <= p->visible_from && at > 0) job->counts.suppressed++; /* the crossing was put off until here */
+        const td_slope slope = slope_at(w, w->s, at, polarity);
         w->crossed++;
         w->s = at;
-        return fire(w, at, td_step_time(job->step, at), polarity);
+        return fire(w, at, td_step_time(job->step, at), polarity, &slope);
     }
     w->s = until;
     if (noise <= until) return fire_noise(w, source, noise);
@@ -398,7 +428,7 @@ static tides_status catch_up(walk *w) {
         double residual = end_of(w) - w->reference;
         int polarity = residual >= w->on ? 1 : residual <= -w->off ? -1 : 0;
         if (polarity == 0) return TIDES_OK;
-        status = fire(w, 1, w->job->step->stop_ns, polarity);
+        status = fire(w, 1, w->job->step->stop_ns, polarity, &unknown_slope);
         ++*late;
     }
     return status;

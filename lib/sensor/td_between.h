@@ -39,6 +39,11 @@ static inline int td_sensor_holds(const td_sensor *sensor) {
     return sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->refractory_ns > 0;
 }
 
+/* 1 where events also come of noise or kicks. */
+static inline int td_sensor_adds(const td_sensor *sensor) {
+    return sensor->additive.on || sensor->kick.on || sensor->noise.due[TD_NOISE_SHOT_ON] || sensor->noise.due[TD_NOISE_HOT];
+}
+
 /* The largest (S_eff - S_ref) / C+ or (S_ref - S_eff) / C- of the pixels that aren't held or masked at `time`, for
  * log-luminances L and coverages (used only where sensor->masks). It is below 1 after a step. NaN is left out. */
 double td_sensor_worst_residual(const td_sensor *sensor, const double *L, const double *coverage, double time);

@@ -15,6 +15,7 @@ typedef struct td_pixel_job {
     double start;            /* of the step [ns since the run's start] */
     const td_signals *light; /* log-luminance, where the signals aren't; NULL: they are */
     td_event_buffer *buffer;
+    td_slopes *slopes;       /* of the buffer's events; NULL: not asked for */
     td_sensor_counts counts; /* of this call */
     td_changes *changes;     /* where the pixel's reference changes; NULL: not asked for */
     tides_error *error;

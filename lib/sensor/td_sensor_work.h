@@ -23,11 +23,27 @@ typedef struct td_sensor_counts {
     uint64_t refractory;          /* crossings consumed, and noise events lost, in refractory periods */
 } td_sensor_counts;
 
-/* The results of a piece of work: events and counts. Pieces joined in order equal one piece. */
+/* How steeply an event's level was crossed, where noise or kicks are added to the response to the light [log units/step]. Both
+ * have the leak's ramp. NaN: not known. */
+typedef struct td_slope {
+    float signal; /* of all that crossed; infinite: the event's time doesn't depend on the light */
+    float light;  /* of the response */
+} td_slope;
+
+/* Slopes of a work's events, each in its event's place: for estimates of errors. */
+typedef struct td_slopes {
+    int on; /* 0: they aren't asked for */
+    td_slope *slope;
+    size_t capacity;
+} td_slopes;
+
+/* The results of a piece of work: events and counts. Pieces joined in order equal one piece, but for slopes, which stay. */
 typedef struct td_work {
     td_event_buffer events;
+    td_slopes slopes;
     td_sensor_counts counts;
 } td_work;
+void td_counts_add(td_sensor_counts *sum, const td_sensor_counts *more);
 TIDES_MUST_CHECK tides_status td_work_join(td_work *to, const td_work *piece, tides_error *error);
 void td_work_clear(td_work *work);
 void td_work_release(td_work *work);

@@ -6,14 +6,14 @@
  *   ON  h((C+ - o) / sigma) / tau,  OFF  h((C- + o) / sigma) / tau,  h(u) = 1 / int_0^u sqrt(2 pi) e^(z^2 / 2) P(n < z) dz,
  *
  * by the mean first passage of the Ornstein-Uhlenbeck process; shot noise and hot pixels have theirs. An event changes o by a
- * threshold. Where pixels are held, the noise at the hold's end sets it. This is followed from event to event for ten seconds
- * or 512 events, up to five minutes in pixels that seldom fire, from a reference anywhere between the levels. At the end noise
- * and o depend on each other. So over the last few tau the path of the noise with which the run begins is drawn backwards, and
- * its events are followed.
+ * threshold. Where pixels are held, the noise at the hold's end sets it. This is followed from event to event, from a reference
+ * anywhere between the levels, for a time that is set beforehand: pixels that fire often soon forget where they began, and
+ * others are followed for up to five minutes. At the end noise and o depend on each other. So over the last few tau the path of
+ * the noise with which the run begins is drawn backwards, and its events are followed.
  *
  * Without leak, shot noise or a refractory period there is no steady state. With equal levels o only changes by whole
  * thresholds, for ever. Levels that differ by little move it to where events are rare, ever more slowly (measured: 1.3 times
- * the rate of the tenth second in the first). STEADY then means that time. */
+ * the rate of the tenth second in the first). STEADY then means ten seconds. */
 #ifndef TD_STEADY_H
 #define TD_STEADY_H
 
@@ -26,7 +26,8 @@ typedef struct td_rested {
     double rate;       /* of its shot noise and hot events [1/ns] */
     double sigma, tau; /* of its noise; sigma > 0; tau [ns] */
     double begin, now; /* the noise's value where its first segment begins, and at the run's start */
-    double o, age;     /* results of a part of the work */
+    /* Results of a part of the work: the mean above the reference, times since the last event and until the noise is back. */
+    double o, age, falls;
 } td_rested;
 
 /* Random initial states of pixels whose noise at the run's start is given. */

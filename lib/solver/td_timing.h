@@ -49,6 +49,7 @@ typedef struct td_timed {
     double log_eps;
     double *filter_error;      /* (count) error of a first-order filter's S at the step's beginning, then end [log units];
                              NULL: there is none */
+    const td_slope *slopes;    /* of the events [log units/step]; NULL: they are those of the light */
     const tides_event *events; /* pixel by pixel, in time order for each */
     size_t count;
 } td_timed;

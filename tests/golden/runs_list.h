@@ -170,6 +170,11 @@ static const run_entry runs[] = {
     {"sensor/initial steady", "rigid", F32,
      "sensor.initial=steady sensor.leak_rate_hz=20 sensor.leak_sigma=0.3 frontend.shot_noise_hz=20 sensor.refractory_s=0.006",
      RUN_CPU | RUN_RESUME},
+    {"sensor/initial noisy", "rigid", F32,
+     "sensor.initial=steady sensor.leak_rate_hz=1 sensor.refractory_s=1e-4 frontend.noise_rms=0.05 "
+     "frontend.noise_cutoff_hz=100 "
+     "frontend.noise_sigma=0.1 frontend.shot_noise_hz=1",
+     RUN_CPU | RUN_RESUME},
     {"sensor/initial filtered", "rigid", F32,
      "sensor.initial=steady sensor.leak_rate_hz=20 frontend.photoreceptor_cutoff_hz=100", RUN_RESUME},
     {"sensor/highpass", "rigid", F32, "frontend.highpass_hz=20", RUN_RESUME},

@@ -31,6 +31,7 @@ tides_status td_compare_unit(const tides_simulator *s, td_portion *portion, cons
     const td_signals signals = signals_of(at);
     td_seen seen = {.signals = &signals, .light = at->light};
     if (s->sensor.masks) seen.coverage = (td_coverage){at->begin[TD_PLANE_ALPHA], at->end[TD_PLANE_ALPHA]};
+    portion->work.slopes.on = td_sensor_adds(&s->sensor);
     tides_status status = td_sensor_step(&s->sensor, at->step, &s->layout.unit[at->unit], s->layout.first_pixel[at->unit],
                                          &seen, &portion->work, error);
     if (status != TIDES_OK || portion->work.counts.nonfinite == before) return status;
@@ -103,6 +104,7 @@ void td_time_events(const tides_simulator *s, td_portion *portion, const td_refi
                       .log_eps = s->sensor.log_eps,
                       .filter_error =
                           s->sensor.filtered.error ? s->sensor.filtered.error + s->layout.first_pixel[refined->unit] : NULL,
+                      .slopes = portion->work.slopes.on && events->count > first ? portion->work.slopes.slope + first : NULL,
                       .events = events->count > first ? events->events + first : NULL,
                       .count = events->count - first};
     td_timing_add(&portion->timing, &timed);

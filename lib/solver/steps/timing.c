@@ -155,6 +155,7 @@ typedef struct some {
     double passed[EVENTS]; /* whole nanoseconds since the step's start */
     double S0[EVENTS], S0_dot[EVENTS], S1[EVENTS], S1_dot[EVENTS];
     double polarity[EVENTS], rise[EVENTS]; /* rise of the leak's ramp per step */
+    td_slope own[EVENTS];                  /* slopes that the comparator knows, with the ramp's; NaN: it doesn't */
     double deviation[EVENTS], is_smooth[EVENTS], along[EVENTS], across[EVENTS];
     double s[EVENTS], slope[EVENTS], bend[EVENTS], middle[EVENTS], rounding[EVENTS]; /* slope and curvature per step */
     double share[TD_PROBE_SHARES][EVENTS], weight[TD_PROBE_SHARES][EVENTS];          /* of the probe's law */
@@ -173,6 +174,7 @@ static void read_event(const td_timed *timed, const tides_event *event, int n, s
     to->S1_dot[n] = at->S1_dot[i];
     to->polarity[n] = event->polarity;
     to->rise[n] = ramp_at(timed, i, 1) - ramp_at(timed, i, 0);
+    to->own[n] = timed->slopes ? timed->slopes[event - timed->events] : (td_slope){NAN, NAN};
     to->deviation[n] = deviation_of(timed, i);
     to->is_smooth[n] = law.is_smooth;
     differences(timed->tile, at->S1, i, event->x - timed->tile->x0, &to->along[n], &to->across[n]);
@@ -225,9 +227,11 @@ static void filter_turn(const td_timed *timed, int n, some *of) {
     /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): set for each of the of->count events */
     const int32_t i = of->pixel[n];
     const td_model model = model_of(timed, i);
-    const double s = of->s[n], later = s + timed->held, at = later <= 1 ? later : s;
+    const int known = !isnan(of->own[n].signal);
+    const double s = of->s[n], later = s + timed->held, at = later <= 1 && !known ? later : s;
     const double L = td_model_value(&model, at), rate = rate_at(timed, L);
-    of->slope[n] = rate * (L - (reference_at(timed, i, s) - ramp_at(timed, i, at)));
+    of->slope[n] =
+        known ? (double)of->own[n].light - of->rise[n] : rate * (L - (reference_at(timed, i, s) - ramp_at(timed, i, at)));
     of->bend[n] = rate * (td_model_slope(&model, at) - of->slope[n]);
     of->middle[n] = of->deviation[n] * passed_until(of->is_smooth[n] > 0, rate, s);
     of->rounding[n] = td_timing_together(of->rounding[n], timed->adds * timed->filter_error[i] * td_exponential(-rate * s));
@@ -243,6 +247,13 @@ static void carry_errors(const td_timed *timed) {
         const double sum = td_timing_together(timed->filter_error[i] * td_exponential(-rate), fresh);
         timed->filter_error[i] = sum >= 0 ? sum : 0; /* statistics count NaN elsewhere */
     }
+}
+
+/* Light and noise cross a level together, and the noise is the steeper by far. An error of the light moves the crossing by what
+ * their common slope makes of it. */
+static void add_noise(some *of) {
+    for (int n = 0; n < of->count; n++)
+        if (!isnan(of->own[n].signal)) of->slope[n] = (double)of->own[n].signal - of->rise[n];
 }
 
 TD_WIDE static void find_reaches(some *restrict of) {
@@ -290,6 +301,7 @@ void td_timing_add(td_timing *timing, const td_timed *timed) {
             read_event(timed, &timed->events[begin + (size_t)(n < taken.count ? n : taken.count - 1)], n, &taken);
         find_turns(timing, timed, &taken);
         for (int n = 0; n < taken.count && filters; n++) filter_turn(timed, n, &taken);
+        if (timed->slopes) add_noise(&taken);
         find_reaches(&taken);
         add_some(timing, timed, &taken);
     }
