@@ -243,7 +243,7 @@ check-asan-built:
 # What several threads do at once: the tests that start some, and the library's own. PoCL and its LLVM aren't built for
 # the sanitiser, which would take their locks for none: what they call isn't looked at (ignore_noninstrumented_modules), what
 # ours does is. Forks of a process with threads go on to exec (die_after_fork).
-TSAN := $(addprefix $(OUT)/tests/,unit/test_device_threads unit/test_output unit/test_device_fork unit/test_pool property/test_threads property/test_shared_work)
+TSAN := $(addprefix $(OUT)/tests/,unit/test_device_threads unit/test_output unit/test_device_fork unit/test_pool property/test_threads property/test_shared_work unit/test_steady_noise)
 check-tsan: ## Run the tests that have threads with the thread sanitiser
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) CONFIG=tsan check-tsan-built

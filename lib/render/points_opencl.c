@@ -292,10 +292,10 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
     tides_status status = reserve_rooms(p, batch->chunk_count, &items, &rows, error);
     if (status == TIDES_OK) status = send_batch(p, batch, stride, error);
     if (status == TIDES_OK) status = launch_values(p, batch, items, rows, (cl_int)stride, error);
-    if (status != TIDES_OK) return td_finish(p->device, status, error);
     p->batch.out = out;
     p->batch.out_bytes = 2 * (size_t)batch->count * sizeof *out;
-    return td_flush(p->device, error);
+    if (status == TIDES_OK) status = td_flush(p->device, error);
+    return status == TIDES_OK ? status : td_finish(p->device, status, error);
 }
 
 static tides_status finish(td_points_engine *engine, tides_error *error) {
