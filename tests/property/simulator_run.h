@@ -126,6 +126,23 @@ static inline outcome run(const job *j) {
     return o;
 }
 
+/* Up to `until`, and from there by another simulator, which goes on from a checkpoint at `path`. */
+static inline outcome run_resumed(const job *j, tides_device *device, const char *path, double until) {
+    outcome o = {0};
+    tides_error error;
+    tides_simulator *s = make_simulator(j, device);
+    begin(j, s, &o);
+    scene_expect_ok(tides_simulator_run(s, until, collect, &o, NULL, NULL, &error), &error);
+    scene_expect_ok(tides_simulator_save(s, NULL, path, &error), &error);
+    tides_simulator_destroy(s);
+    s = make_simulator(j, device);
+    scene_expect_ok(tides_simulator_restore(s, NULL, path, &error), &error);
+    scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);
+    finish(s, &o);
+    tides_simulator_destroy(s);
+    return o;
+}
+
 /* -- checks -------------------------------------------------------------------------------------------------------- */
 
 static inline int compare_events(const tides_event *a, const tides_event *b) {

@@ -12,9 +12,7 @@
 #include "camera/td_rotation.h"
 #include "refine_world.h"
 #include "tests/support/number_of.h"
-
-#include <stdio.h>
-#include <unistd.h>
+#include "tests/support/scene_folder.h"
 
 enum { POSES = 41, SCENES = 9, QUIET_STEPS = 4, STEPS = 9 };
 #define BEGIN 0.3
@@ -127,38 +125,18 @@ static void test_any_threads(void **state) {
     free_late(&w);
 }
 
-/* The run, saved and restored in a new simulator after `steps`. */
-static outcome run_cut(const job *j, int steps) {
-    char file[64];
-    outcome o = {0};
-    tides_error error;
-    tides_device *device = open_device(j->device);
-    tides_simulator *s = make_simulator(j, device);
-    snprintf(file, sizeof file, "/tmp/tides_sampled_%ld.checkpoint", (long)getpid());
-    begin(j, s, &o);
-    scene_expect_ok(tides_simulator_run(s, j->start + (steps + 0.5) * STEP_S, collect, &o, NULL, NULL, &error), &error);
-    scene_expect_ok(tides_simulator_save(s, "{}", file, &error), &error);
-    tides_simulator_destroy(s);
-    s = make_simulator(j, device);
-    scene_expect_ok(tides_simulator_restore(s, "{}", file, &error), &error);
-    assert_int_equal(unlink(file), 0);
-    scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);
-    finish(s, &o);
-    tides_simulator_destroy(s);
-    tides_device_close(device);
-    return o;
-}
-
 static void test_any_cut(void **state) {
-    (void)state;
+    const char *path = scene_in_folder(*state, "sampled.checkpoint");
     late_world w = make_late(2);
-    outcome whole = run(&w.asked);
+    tides_device *device = open_device(w.asked.device);
+    outcome whole = run_on(&w.asked, device);
     for (int steps = 1; steps < STEPS; steps += 2) {
-        outcome o = run_cut(&w.asked, steps);
+        outcome o = run_resumed(&w.asked, device, path, w.asked.start + (steps + 0.5) * STEP_S);
         expect_same_report(&whole, &o, "cut");
         free_outcome(&o);
     }
     free_outcome(&whole);
+    tides_device_close(device);
     free_late(&w);
 }
 
@@ -184,6 +162,7 @@ static void test_few_events(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_late_hard_part), cmocka_unit_test(test_any_threads),
-                                       cmocka_unit_test(test_any_cut), cmocka_unit_test(test_few_events)};
+                                       cmocka_unit_test_setup_teardown(test_any_cut, scene_folder_setup, scene_folder_teardown),
+                                       cmocka_unit_test(test_few_events)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
