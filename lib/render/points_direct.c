@@ -233,11 +233,11 @@ tides_status td_points_direct_values(tides_renderer *renderer, const tides_traje
     tides_status status = some->count > 0 ? create(renderer, direct, error) : TIDES_OK;
     direct->nodes.exact = exact;
     for (int from = 0; from < some->count && status == TIDES_OK; from += LOT) {
-        const int next = some->count - from < LOT ? some->count - from : LOT;
-        const int *which = some->which + from;
-        status = td_points_near_find(renderer, &direct->near, span, some->points, which, next, error);
-        for (int at = 0, taken = 0; at < next && status == TIDES_OK; at += taken) {
-            const td_points_some left = {some->points, some->values, which + at, next - at};
+        const int count = some->count - from < LOT ? some->count - from : LOT;
+        const td_points_some next = {some->points, some->values, some->which + from, count};
+        status = td_points_near_find(renderer, &direct->near, span, &next, error);
+        for (int at = 0, taken = 0; at < count && status == TIDES_OK; at += taken) {
+            const td_points_some left = {some->points, some->values, next.which + at, count - at};
             status = td_renderer_check_stop(renderer, (double)(from + at) / some->count, error);
             if (status == TIDES_OK)
                 status = send_lot(renderer, camera, direct, &left, near->seen + at, near->count + at, &taken, error);

@@ -23,9 +23,8 @@ typedef struct finding {
     const tides_renderer *renderer;
     const td_points_near *near;
     const td_point_span *span;
-    const td_point *points;
-    const int *which;
-    int count, portions;
+    const td_points_some *some;
+    int portions;
 } finding;
 
 /* Takes a tile's list, with its boxes side by side, unless it is there: points of one tile mostly follow one another. In the
@@ -80,24 +79,25 @@ static tides_status look_from(td_near_portion *of, const finding *all, const td_
 
 static void find_some(void *user, int k) {
     const finding *all = user;
+    const td_points_some *some = all->some;
     td_near_portion *of = &all->near->portion[k];
-    const int end = td_pool_begin(all->count, all->portions, k + 1);
+    const int end = td_pool_begin(some->count, all->portions, k + 1);
     of->tile = -1; /* lists may be of another interval */
     of->found_count = 0;
     of->status = TIDES_OK;
-    for (int i = td_pool_begin(all->count, all->portions, k); i < end && of->status == TIDES_OK; i++)
-        of->status = look_from(of, all, &all->points[all->which[i]], &all->near->count[i]);
+    for (int i = td_pool_begin(some->count, all->portions, k); i < end && of->status == TIDES_OK; i++)
+        of->status = look_from(of, all, &some->points[some->which[i]], &all->near->count[i]);
 }
 
 /* Sets where each point's splats are, which move as their arrays grow. */
 static tides_status lay_seen(td_points_near *near, const finding *all, tides_error *error) {
     for (int k = 0; k < all->portions; k++) {
         const td_near_portion *of = &near->portion[k];
-        const int end = td_pool_begin(all->count, all->portions, k + 1);
+        const int end = td_pool_begin(all->some->count, all->portions, k + 1);
         const int *at = of->found;
         if (of->status != TIDES_OK && error) *error = of->error;
         if (of->status != TIDES_OK) return of->status;
-        for (int i = td_pool_begin(all->count, all->portions, k); i < end; at += near->count[i++]) near->seen[i] = at;
+        for (int i = td_pool_begin(all->some->count, all->portions, k); i < end; at += near->count[i++]) near->seen[i] = at;
     }
     return TIDES_OK;
 }
@@ -106,9 +106,9 @@ static tides_status lay_seen(td_points_near *near, const finding *all, tides_err
 enum { FEWEST_POINTS = 8 };
 
 tides_status td_points_near_find(const tides_renderer *renderer, td_points_near *near, const td_point_span *span,
-                                 const td_point *points, const int *which, int count, tides_error *error) {
-    finding all = {renderer, near, span, points, which, count, td_pool_portions(renderer->pool, count, FEWEST_POINTS)};
-    const size_t before = near->portions, wanted = (size_t)count;
+                                 const td_points_some *some, tides_error *error) {
+    finding all = {renderer, near, span, some, td_pool_portions(renderer->pool, some->count, FEWEST_POINTS)};
+    const size_t before = near->portions, wanted = (size_t)some->count;
     tides_status status = td_reserve((void **)&near->count, &near->count_capacity, wanted, sizeof *near->count, error);
     if (status == TIDES_OK) status = td_reserve((void **)&near->seen, &near->seen_capacity, wanted, sizeof *near->seen, error);
     if (status == TIDES_OK)

@@ -6,14 +6,6 @@
 
 #include "td_points_near.h"
 
-/* Some of the points that are asked for: those numbered which[0 .. count). Their values go to the same numbers. */
-typedef struct td_points_some {
-    const td_point *points;
-    td_point_value *values;
-    const int *which;
-    int count;
-} td_points_some;
-
 typedef struct td_points_direct {
     td_points_engine *engine; /* NULL: not needed so far */
     td_point_nodes nodes;     /* of a lot (a batch of points): a row for each splat of each point */

@@ -7,6 +7,14 @@
 
 struct tides_renderer;
 
+/* Some of the points that are asked for: those numbered which[0 .. count). Their values go to the same numbers. */
+typedef struct td_points_some {
+    const td_point *points;
+    td_point_value *values;
+    const int *which;
+    int count;
+} td_points_some;
+
 /* Points that one thread looks at, one after the other. */
 typedef struct td_near_portion {
     int tile;         /* whose list it has; -1: none */
@@ -30,8 +38,8 @@ typedef struct td_points_near {
 
 void td_points_near_release(td_points_near *near);
 
-/* Finds what the points numbered which[0 .. count) may see: near->count, near->seen. */
+/* Finds what the points may see: near->count, near->seen. */
 tides_status td_points_near_find(const struct tides_renderer *renderer, td_points_near *near, const td_point_span *span,
-                                 const td_point *points, const int *which, int count, tides_error *error);
+                                 const td_points_some *some, tides_error *error);
 
 #endif

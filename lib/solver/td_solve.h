@@ -87,4 +87,10 @@ static inline double td_solve_sample_error(const td_solve *solve, double S) {
     return S < darker ? solve->samples + solve->dark * td_exp(-S) : solve->samples;
 }
 
+/* How far a signal may be from its model before anything is looked up, but for swaps of depth, where log_luminance is S or more
+ * at both ends. */
+static inline double td_solve_first_widen(const td_solve *solve, const td_trust *trust, double S) {
+    return td_solve_first_doubt(trust) + td_solve_sample_error(solve, S);
+}
+
 #endif

@@ -158,8 +158,7 @@ static tides_status find_active(const tides_simulator *s, td_solve_portion *solv
     td_trust *trust = solve->trust + row * pixels;
     td_solve_first_trust(s, refined, at->span.length_s, 0, tile->count, trust);
     for (int32_t i = 0; i < tile->count; i++)
-        widen[i] = td_solve_first_doubt(&trust[i]) +
-                   td_solve_sample_error(&s->solve, td_lesser(at->signals.S0[i], at->signals.S1[i])) + doubt[i];
+        widen[i] = td_solve_first_widen(&s->solve, &trust[i], td_lesser(at->signals.S0[i], at->signals.S1[i])) + doubt[i];
     td_solve_widen_swapped(s, refined, &at->signals, widen);
     td_sensor_find(&s->sensor, &at->span, tile, first, &at->signals, widen, active);
     td_sensor_reaches(&s->sensor, &at->span, tile, first, &at->signals, widen, solve->reaches + row * pixels);

@@ -44,9 +44,8 @@ static int may_act(const td_visit *v) {
     const td_signals own = {&at->S0, &at->S0_dot, &at->S1, &at->S1_dot};
     if (v->looked->looks > 0) return 1;
     const double light = td_solve_unseen_light(v->s, &v->s->refine.step[v->looked->step], v->swap, v->swaps);
-    const double swapped = td_solve_moved_by(v->s, light, td_lesser(at->S0, at->S1));
-    const double widen =
-        td_solve_first_doubt(&v->looked->trust) + td_solve_sample_error(&v->s->solve, td_lesser(at->S0, at->S1)) + swapped;
+    const double S = td_lesser(at->S0, at->S1), swapped = td_solve_moved_by(v->s, light, S);
+    const double widen = td_solve_first_widen(&v->s->solve, &v->looked->trust, S) + swapped;
     uint8_t active = 0;
     td_sensor_find(&v->s->sensor, &v->now->span, &one, v->at, &own, &widen, &active);
     return active;
