@@ -1,9 +1,9 @@
 /* The splats of one tile, for the search of swaps of depth (swaps.c): which of them are looked at, in which pairs, and whether
  * they fade. */
-#include "scene/td_scene.h"
 #include "td_extremes.h"
 #include "td_math.h"
 #include "td_swaps.h"
+#include "kernels/sh.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,8 +12,9 @@
  * splats aren't searched, and the tile is counted (td_renderer_swaps_cut). */
 enum { MOST_PAIRS = 1 << 20 };
 
-/* Allowance for splats whose colour depends on the view: their light may differ by this share beside the constant terms. */
-static const double by_view = 0.1;
+/* Allowance for splats whose colour depends on the view: between the middle of the interval and its ends, their light may
+ * change by this much more than it does until the ends. */
+static const double by_view = 2;
 
 /* Splats of a tile in which all slow swaps within a body, and of splats that motion models move, are searched too. In denser
  * tiles the search would take 20 % of the demo's time, and each splat counts for less. */
@@ -44,15 +45,34 @@ static int by_opacity(const void *a, const void *b) {
     return (x->box > y->box) - (x->box < y->box);
 }
 
-static double luminance_of(const tides_renderer *renderer, int g) {
-    const td_store *store = &renderer->store;
-    const size_t at = (size_t)g * (size_t)store->sh_stride;
+/* The luminance of a splat as a view sees it. `sh`: its coefficients, in double. */
+static double luminance_in(const tides_renderer *renderer, const td_view *view, const double *mean, const double *sh) {
+    const td_sh_source source = {.sh = sh, .floor = 0};
+    const double from_eye[3] = {mean[0] - view->eye[0], mean[1] - view->eye[1], mean[2] - view->eye[2]};
+    const double per = 1 / td_greater(td_length3(from_eye), TD_SWAP_LEAST_LIGHT);
+    const td_colour colour =
+        td_sh_colour(td_dual_make(per * from_eye[0], 0), td_dual_make(per * from_eye[1], 0),
+                     td_dual_make(per * from_eye[2], 0), &source, td_sh_degree(&renderer->image));
     double sum = 0;
-    for (int c = 0; c < 3; c++) {
-        const double own = store->sh ? (double)store->sh[at + (size_t)c] : store->sh_wide[at + (size_t)c];
-        sum += renderer->image.luminance[c] * td_greater(td_splat_colour(own), 0);
-    }
+    for (int c = 0; c < 3; c++) sum += renderer->image.luminance[c] * colour.channel[c].v;
     return sum;
+}
+
+/* Takes a splat's luminance in the middle of the interval, and how far it is from that elsewhere. */
+static void take_light(const tides_renderer *renderer, const td_swap_samples *at, int g, td_swap_splat *to) {
+    const td_store *store = &renderer->store;
+    const size_t first = (size_t)g * (size_t)store->sh_stride, objects = (size_t)at->objects;
+    const int count = 3 * (td_sh_degree(&renderer->image) + 1) * (td_sh_degree(&renderer->image) + 1);
+    const int samples[3] = {at->parts / 2, 0, at->parts};
+    double sh[3 * 25], light[3];
+    for (int k = 0; k < count; k++) sh[k] = store->sh ? (double)store->sh[first + (size_t)k] : store->sh_wide[first + (size_t)k];
+    to->varies = 0;
+    for (int i = 0; i < (count > 3 ? 3 : 1); i++) {
+        const double *mean = to->move ? to->move[samples[i]].mean : to->geometry + TD_G_MEAN;
+        light[i] = luminance_in(renderer, &at->view[(size_t)samples[i] * objects + (size_t)to->object], mean, sh);
+        to->varies = td_greater(to->varies, by_view * fabs(light[i] - light[0]));
+    }
+    to->luminance = light[0];
 }
 
 /* The body of a splat: one that a motion model moves is one by itself. */
@@ -69,8 +89,8 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
     to->box = renderer->sweep.boxes + 4 * (size_t)g;
     to->geometry = geometry;
     to->opacity = geometry[TD_G_OPACITY];
-    to->luminance = luminance_of(renderer, g);
     to->object = object;
+    take_light(renderer, at, g, to);
     to->group = group_of(renderer, swaps, g);
     to->may = swaps->may[g];
     double *z_dot = z + at->parts + 1;
@@ -175,7 +195,7 @@ static void look_within(td_swap_tile *of, const td_swap_splat *const *all, int c
                 if (b->group != a->group || fabs(b->z[0] - a->z[0]) > reach) break;
                 if (b->may >= least_within(count) && (b->sway > a->sway || (b->sway == a->sway && j < i))) continue;
                 const double slow = a->may == TD_MAY_ALONE || b->may == TD_MAY_ALONE ? TD_SWAP_SLOW : slow_in(count);
-                if (!is_none(of, a, b, near, slow)) td_swaps_look_at(of, a, b, slow);
+                if (!td_swaps_are_apart(a, b) && !is_none(of, a, b, near, slow)) td_swaps_look_at(of, a, b, slow);
             }
     }
     of->is_full = pairs == MOST_PAIRS;
@@ -232,7 +252,6 @@ tides_status td_swaps_look_in(const tides_renderer *renderer, const struct td_sw
                        .at = at,
                        .tile = tile,
                        .corner = {tile % across * TD_TILE, tile / across * TD_TILE},
-                       .contrast = renderer->store.sh_stride > 3 ? by_view : 0,
                        .status = TIDES_OK,
                        .error = &portion->error};
     tides_status status = swaps->some_may ? look_at_pairs(renderer, &of) : TIDES_OK;

@@ -33,7 +33,7 @@ typedef struct td_swap_splat {
     const float *box;
     double least, most, sway; /* sway: half the distance by which a turn moves its depth against that of overlapping splats */
     const double *geometry;
-    double opacity, luminance; /* by the constant SH term */
+    double opacity, luminance, varies; /* luminance in the middle of the interval, and how far it is from that elsewhere */
     int object, group, may;
     const td_swap_move *move; /* at the samples; NULL: it rests in its object */
     const double *z, *z_dot;
@@ -95,7 +95,6 @@ typedef struct td_swap_tile {
     const td_image *image;
     const td_swap_samples *at;
     int tile, corner[2]; /* corner: its first pixel */
-    double contrast;     /* largest difference of Y between splats, beyond that of the constant terms */
     int is_full;         /* 1: there were more pairs than are checked */
     int is_cut;          /* 1: its fainter splats are left out for that */
     tides_status status;
@@ -117,6 +116,11 @@ enum { TD_MAY_NOT, TD_MAY_SWAP, TD_MAY_SLOWLY, TD_MAY_SHORTLY, TD_MAY_ALONE };
 static inline double td_swaps_apart(const double *a, const double *b) {
     const double way[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return td_length3(way);
+}
+
+/* 1 if their boxes don't overlap. */
+static inline int td_swaps_are_apart(const td_swap_splat *a, const td_swap_splat *b) {
+    return a->box[0] > b->box[2] || b->box[0] > a->box[2] || a->box[1] > b->box[3] || b->box[1] > a->box[3];
 }
 
 /* Depth of a point in a view. */
