@@ -12,9 +12,12 @@
  * splats aren't searched, and the tile is counted (td_renderer_swaps_cut). */
 enum { MOST_PAIRS = 1 << 20 };
 
-/* Allowance for splats whose colour depends on the view: between the middle of the interval and its ends, their light may
- * change by this much more than it does until the ends. */
+/* Allowance for splats whose colour depends on the view: their light may be so much further from that in the interval's middle
+ * than it is at the end. */
 static const double by_view = 2;
+
+/* SH coefficients of degree 4, the highest. */
+enum { SH_MOST = 25 };
 
 /* Splats of a tile in which all slow swaps within a body, and of splats that motion models move, are searched too. In denser
  * tiles the search would take 20 % of the demo's time, and each splat counts for less. */
@@ -50,27 +53,26 @@ static double luminance_in(const tides_renderer *renderer, const td_view *view, 
     const td_sh_source source = {.sh = sh, .floor = 0};
     const double from_eye[3] = {mean[0] - view->eye[0], mean[1] - view->eye[1], mean[2] - view->eye[2]};
     const double per = 1 / td_greater(td_length3(from_eye), TD_SWAP_LEAST_LIGHT);
-    const td_colour colour =
-        td_sh_colour(td_dual_make(per * from_eye[0], 0), td_dual_make(per * from_eye[1], 0),
-                     td_dual_make(per * from_eye[2], 0), &source, td_sh_degree(&renderer->image));
+    const td_colour colour = td_sh_colour(td_dual_make(per * from_eye[0], 0), td_dual_make(per * from_eye[1], 0),
+                                          td_dual_make(per * from_eye[2], 0), &source, td_sh_degree(&renderer->image));
     double sum = 0;
     for (int c = 0; c < 3; c++) sum += renderer->image.luminance[c] * colour.channel[c].v;
     return sum;
 }
 
-/* Takes a splat's luminance in the middle of the interval, and how far it is from that elsewhere. */
+/* Takes a splat's luminance in the middle of the interval, and how far it is from that at the end. */
 static void take_light(const tides_renderer *renderer, const td_swap_samples *at, int g, td_swap_splat *to) {
     const td_store *store = &renderer->store;
     const size_t first = (size_t)g * (size_t)store->sh_stride, objects = (size_t)at->objects;
     const int count = 3 * (td_sh_degree(&renderer->image) + 1) * (td_sh_degree(&renderer->image) + 1);
-    const int samples[3] = {at->parts / 2, 0, at->parts};
-    double sh[3 * 25], light[3];
-    for (int k = 0; k < count; k++) sh[k] = store->sh ? (double)store->sh[first + (size_t)k] : store->sh_wide[first + (size_t)k];
-    to->varies = 0;
-    for (int i = 0; i < (count > 3 ? 3 : 1); i++) {
+    const int samples[2] = {at->parts / 2, at->parts};
+    double sh[3 * SH_MOST], light[2];
+    for (int k = 0; k < count; k++)
+        sh[k] = store->sh ? (double)store->sh[first + (size_t)k] : store->sh_wide[first + (size_t)k];
+    for (int i = 0; i < (count > 3 ? 2 : 1); i++) {
         const double *mean = to->move ? to->move[samples[i]].mean : to->geometry + TD_G_MEAN;
         light[i] = luminance_in(renderer, &at->view[(size_t)samples[i] * objects + (size_t)to->object], mean, sh);
-        to->varies = td_greater(to->varies, by_view * fabs(light[i] - light[0]));
+        to->varies = by_view * fabs(light[i] - light[0]);
     }
     to->luminance = light[0];
 }
@@ -169,6 +171,11 @@ static void look_across(td_swap_tile *of, const td_swap_splat *const *all, int c
     of->is_full = pairs == MOST_PAIRS;
 }
 
+/* No less than the distance between two points; many pairs are tried, and a root takes as long as all else. */
+static double apart_at_most(const double *a, const double *b) {
+    return fabs(a[0] - b[0]) + fabs(a[1] - b[1]) + fabs(a[2] - b[2]);
+}
+
 /* 1 if two splats of one object have no short swap. The difference of their depths deviates from a straight line by at most
  * their distance times the object's deviation per unit. So they are out of reach throughout, or within reach for long. */
 static int is_none(const td_swap_tile *of, const td_swap_splat *a, const td_swap_splat *b, double near, double slow) {
@@ -176,7 +183,7 @@ static int is_none(const td_swap_tile *of, const td_swap_splat *a, const td_swap
     const double within = near * td_greater(fabs(a->z[0]), fabs(a->z[of->at->parts]));
     if (a->object != b->object) return 0;
     const double strays =
-        TD_SWAPS_ASKEW * of->swaps->turning[a->object] * td_swaps_apart(a->geometry + TD_G_MEAN, b->geometry + TD_G_MEAN);
+        TD_SWAPS_ASKEW * of->swaps->turning[a->object] * apart_at_most(a->geometry + TD_G_MEAN, b->geometry + TD_G_MEAN);
     const double most = fabs(to - from) + 4 * strays; /* slope of a parabola at its ends */
     return (from * to > 0 && td_lesser(fabs(from), fabs(to)) > within + strays) || slow * most < within;
 }
