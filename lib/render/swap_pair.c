@@ -284,9 +284,14 @@ void td_swaps_look_at_fade(td_swap_tile *tile, const td_swap_splat *a) {
 
 /* -------------------------------------------------------------------------------------------------------------------------- */
 
+/* 1 if the boxes don't overlap. */
+static int are_apart(const td_swap_splat *a, const td_swap_splat *b) {
+    return a->box[0] > b->box[2] || b->box[0] > a->box[2] || a->box[1] > b->box[3] || b->box[1] > a->box[3];
+}
+
 void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b, double slow) {
     const double contrast = fabs(a->luminance - b->luminance) + a->varies + b->varies;
-    if (a->opacity * b->opacity * contrast < TD_SWAP_LEAST_LIGHT || td_swaps_are_apart(a, b)) return;
+    if (a->opacity * b->opacity * contrast < TD_SWAP_LEAST_LIGHT || are_apart(a, b)) return;
     const pair of = {tile, a, b, blocks_of(a, b, tile->corner), contrast, slow};
     const double near = TD_SWAP_REACH * tile->image->soft_depth;
     for (int k = 0; k < tile->at->parts && of.blocks; k++) note_part(&of, near, k);

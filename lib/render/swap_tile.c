@@ -202,7 +202,7 @@ static void look_within(td_swap_tile *of, const td_swap_splat *const *all, int c
                 if (b->group != a->group || fabs(b->z[0] - a->z[0]) > reach) break;
                 if (b->may >= least_within(count) && (b->sway > a->sway || (b->sway == a->sway && j < i))) continue;
                 const double slow = a->may == TD_MAY_ALONE || b->may == TD_MAY_ALONE ? TD_SWAP_SLOW : slow_in(count);
-                if (!td_swaps_are_apart(a, b) && !is_none(of, a, b, near, slow)) td_swaps_look_at(of, a, b, slow);
+                if (!is_none(of, a, b, near, slow)) td_swaps_look_at(of, a, b, slow);
             }
     }
     of->is_full = pairs == MOST_PAIRS;

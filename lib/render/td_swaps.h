@@ -118,11 +118,6 @@ static inline double td_swaps_apart(const double *a, const double *b) {
     return td_length3(way);
 }
 
-/* 1 if their boxes don't overlap. */
-static inline int td_swaps_are_apart(const td_swap_splat *a, const td_swap_splat *b) {
-    return a->box[0] > b->box[2] || b->box[0] > a->box[2] || a->box[1] > b->box[3] || b->box[1] > a->box[3];
-}
-
 /* Depth of a point in a view. */
 static inline double td_swaps_depth(const td_view *view, const double *mean) {
     return view->r[6] * mean[0] + view->r[7] * mean[1] + view->r[8] * mean[2] + view->t[2];
