@@ -54,6 +54,15 @@ static void put(struct td_swaps *swaps, const td_swap_samples *at, int splat, in
     shape[TD_G_OPACITY] = opacity;
 }
 
+/* 1 if a splat keeps its place at all samples, as where a lamp changes its light. */
+static int keeps_place(const struct td_swaps *swaps, const td_swap_samples *at, int splat) {
+    const td_swap_move *move = swaps->move + (size_t)swaps->mover[splat] * (size_t)(at->parts + 1);
+    int keeps = 1;
+    for (int k = 0; k <= at->parts; k++)
+        for (int i = 0; i < 3; i++) keeps &= move[k].mean[i] == move[0].mean[i] && move[k].rate[i] == 0;
+    return keeps;
+}
+
 static tides_status move_batch(struct td_swaps *swaps, const td_swap_samples *at, const moving *object, batch *b,
                                tides_error *error) {
     const tides_object *of = &object->of;
@@ -67,6 +76,8 @@ static tides_status move_batch(struct td_swaps *swaps, const td_swap_samples *at
         for (int i = 0; i < b->count && status == TIDES_OK; i++)
             put(swaps, at, b->splat[i], k, b->geometry + i * TD_GEOMETRY_STRIDE, b->rates + i * TD_GEOMETRY_STRIDE);
     }
+    for (int i = 0; i < b->count && status == TIDES_OK; i++)
+        swaps->rest += swaps->rests[swaps->mover[b->splat[i]]] = (uint8_t)keeps_place(swaps, at, b->splat[i]);
     b->count = 0;
     return status;
 }
@@ -85,6 +96,8 @@ static tides_status move_object(const tides_renderer *renderer, struct td_swaps 
         if (status == TIDES_OK)
             status = td_reserve((void **)&swaps->shape, &swaps->shape_capacity, moves * TD_GEOMETRY_STRIDE,
                                 sizeof *swaps->shape, error);
+        if (status == TIDES_OK)
+            status = td_reserve((void **)&swaps->rests, &swaps->rests_capacity, moves, sizeof *swaps->rests, error);
         b->splat[b->count] = g;
         b->index[b->count++] = store->number[g];
         if (status == TIDES_OK && b->count == ROWS) status = move_batch(swaps, at, of, b, error);
@@ -98,11 +111,12 @@ tides_status td_swaps_move(const tides_renderer *renderer, struct td_swaps *swap
     tides_status status = TIDES_OK;
     batch *b = NULL;
     moving object;
-    swaps->moves = 0;
+    swaps->moves = swaps->rest = 0;
     for (int g = 0; g < renderer->store.count; g++) swaps->mover[g] = -1;
     for (int i = 0; i < renderer->store.objects && status == TIDES_OK; i++) {
         if (!find_moving(renderer, i, &object, &status, error)) continue;
         if (!b && !(b = td_alloc(1, sizeof *b, error))) return TIDES_NO_MEMORY;
+        swaps->group[i] = td_object_travels(&object.of) ? i + 1 : 0;
         status = move_object(renderer, swaps, at, i, &object, b, error);
     }
     free(b);

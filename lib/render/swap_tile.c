@@ -77,9 +77,10 @@ static void take_light(const tides_renderer *renderer, const td_swap_samples *at
     to->luminance = light[0];
 }
 
-/* The body of a splat: one that a motion model moves is one by itself. */
+/* The body of a splat: one that a motion model moves from its place is one by itself. */
 static int group_of(const tides_renderer *renderer, const struct td_swaps *swaps, int g) {
-    return swaps->mover[g] >= 0 ? -1 - g : swaps->group[renderer->store.object[g]];
+    const int object = renderer->store.object[g];
+    return td_swaps_is_of_body(swaps, object, g) ? swaps->group[object] : -1 - g;
 }
 
 static void take_splat(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at, int g,

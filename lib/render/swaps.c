@@ -72,6 +72,7 @@ void td_swaps_destroy(struct td_swaps *swaps) {
     free(swaps->mover);
     free(swaps->move);
     free(swaps->shape);
+    free(swaps->rests);
     free(swaps->joint);
     free(swaps);
 }
@@ -182,8 +183,8 @@ static uint8_t who_may(const looking *all, int g) {
     const double share = 0.5 * TD_SWAP_REACH * all->renderer->image.soft_depth; /* of two splats alike */
     const int object = store->object[g];
     const float *box = all->renderer->sweep.boxes + 4 * (size_t)g;
-    if (swaps->group[object] < 0 || !(box[0] <= box[2]) || (all->alone && !(swaps->turning[object] > 0)))
-        return swaps->mover[g] >= 0 ? TD_MAY_SWAP : TD_MAY_NOT;
+    if (swaps->mover[g] >= 0) return TD_MAY_SWAP;
+    if (swaps->group[object] < 0 || !(box[0] <= box[2]) || (all->alone && !(swaps->turning[object] > 0))) return TD_MAY_NOT;
     const double z = td_swaps_depth(&all->at->view[object], store->geometry + (size_t)g * TD_GEOMETRY_STRIDE + TD_G_MEAN);
     if (swaps->turning[object] * (double)swaps->extent[g] >= share * fabs(z)) return TD_MAY_ALONE;
     const double sway = swaps->turned[object] * td_swaps_reach(all->renderer, swaps, g, z), least = share * fabs(z);
@@ -197,26 +198,29 @@ static void look_at_some(void *user, int portion) {
               end = td_pool_begin(count, all->portions, portion + 1);
     for (int g = first; g < end; g++) {
         const uint8_t may = all->swaps->may[g] = who_may(all, g), least = all->alone ? TD_MAY_SLOWLY : TD_MAY_SWAP;
-        all->may[portion] |= may >= least && all->swaps->mover[g] < 0;
+        all->may[portion] |= may >= least && td_swaps_is_of_body(all->swaps, all->renderer->store.object[g], g);
     }
     all->fade[portion] = (uint8_t)td_swaps_some_fade(all->renderer, all->swaps, all->at, first, end);
 }
 
-/* Finds which Gaussians may swap, and whether any may or fades. */
+/* Finds which Gaussians may swap, and whether any may or fades. Splats that keep their places, though a motion model changes
+ * their light, belong to a body if that doesn't turn. */
 static void find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at) {
     enum { FEWEST = 4096 };
     const td_store *store = &renderer->store;
-    int moving = 2 * (swaps->moves > 0), rests = 0;
+    int moving = 0, rests = 0, own_way = swaps->moves - swaps->rest;
     for (int i = 0; i < store->objects; i++) {
         swaps->turning[i] = swaps->group[i] >= 0 ? turning_of(at, i) : 0;
         swaps->turned[i] = swaps->group[i] >= 0 ? turned_by(at, i) : 0;
+        if (store->mover[i] >= 0 && swaps->turned[i] > 0) swaps->group[i] = -1, own_way = swaps->moves;
         moving += swaps->group[i] > 0;
         rests += swaps->group[i] == 0;
     }
+    moving += 2 * (own_way > 0);
     looking all = {renderer, swaps, at, moving + (rests > 0) < 2, td_pool_portions(renderer->pool, store->count, FEWEST),
                    {0},      {0}};
     td_pool_run(renderer->pool, all.portions, look_at_some, &all);
-    swaps->some_may = swaps->moves > 1;
+    swaps->some_may = own_way > 1;
     swaps->some_fade = 0;
     for (int k = 0; k < all.portions; k++) {
         swaps->some_may |= all.may[k];

@@ -66,7 +66,7 @@ typedef struct td_swap_portion {
 
 struct td_swaps {
     float *extent;   /* (store.count) half-axis of the visible ellipsoid, in the object's units */
-    int *group;      /* (objects) number of its rigid body; -1: its path isn't known */
+    int *group;      /* (objects) number of its body; -1: its path isn't known, or its splats are bodies by themselves */
     double *turning; /* (objects) deviation of a unit's depth from a straight line in the interval, */
     double *turned;  /* (objects) and its change at the greatest rate */
     uint8_t *may;    /* (store.count) its possible partners: splats of other bodies, or also of its own */
@@ -80,10 +80,11 @@ struct td_swaps {
     td_swap_portion *portion; /* (portions) */
     size_t portions;
     int32_t *mover;     /* (store.count) number of a splat among those that motion models move, or -1 */
-    int moves;          /* how many */
+    int moves, rest;    /* how many; how many of them keep their places */
+    uint8_t *rests;     /* (moves) 1: it keeps its place in its object */
     td_swap_move *move; /* (moves x samples) */
     double *shape;      /* (moves x TD_GEOMETRY_STRIDE) in the middle; the largest opacity */
-    size_t move_capacity, shape_capacity;
+    size_t move_capacity, shape_capacity, rests_capacity;
     double *joint; /* where curves of motions are joined within the interval [s after the epoch] */
     size_t joint_capacity;
 };
@@ -121,6 +122,11 @@ static inline double td_swaps_apart(const double *a, const double *b) {
 /* Depth of a point in a view. */
 static inline double td_swaps_depth(const td_view *view, const double *mean) {
     return view->r[6] * mean[0] + view->r[7] * mean[1] + view->r[8] * mean[2] + view->t[2];
+}
+
+/* 1 if a splat belongs to its object's body: one that rests there, though a motion model may change its light. */
+static inline int td_swaps_is_of_body(const struct td_swaps *swaps, int object, int g) {
+    return swaps->group[object] >= 0 && (swaps->mover[g] < 0 || swaps->rests[swaps->mover[g]]);
 }
 
 /* Half the distance, in its object's units, between a splat at depth z and a splat that shares a pixel with it at that
