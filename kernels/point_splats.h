@@ -196,8 +196,25 @@ TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real 
 /* A curve of green and blue beside a splat's curve at `curve`. */
 TD_INLINE int td_point_beside_at(int curve) { return curve / (TD_CURVE_REALS / TD_BESIDE_REALS); }
 
-/* Green and blue at the times of the lanes, on one curve for all (`together`), or on a curve each. Where light is linear in
- * colours, they are added to red, and the view has luminance. */
+/* Green and blue, not clamped yet. Where light is linear in colours, they are added to red, and the view has luminance. */
+TD_INLINE void td_point_add_beside(const td_image *image, td_dual green, td_dual blue, TD_GLOBAL td_real *view) {
+    const td_dual g = td_sh_floor(green, image->colour_floor), b = td_sh_floor(blue, image->colour_floor);
+    if (!td_is_coded(image)) {
+        td_dual red =
+            td_dual_make(td_load_lanes(view + TD_V_LUMINANCE * TD_LANES), td_load_lanes(view + TD_V_LUMINANCE_DOT * TD_LANES));
+        td_dual light = td_dual_plus(td_dual_scale(red, image->luminance[0]), image->luminance[1], g);
+        light = td_dual_plus(light, image->luminance[2], b);
+        td_store_lanes(view + TD_V_LUMINANCE * TD_LANES, light.v);
+        td_store_lanes(view + TD_V_LUMINANCE_DOT * TD_LANES, light.d);
+        return;
+    }
+    td_store_lanes(view + TD_V_GREEN * TD_LANES, g.v);
+    td_store_lanes(view + TD_V_GREEN_DOT * TD_LANES, g.d);
+    td_store_lanes(view + TD_V_BLUE * TD_LANES, b.v);
+    td_store_lanes(view + TD_V_BLUE_DOT * TD_LANES, b.d);
+}
+
+/* Green and blue at the times of the lanes, on one curve for all (`together`), or on a curve each. */
 TD_INLINE void td_point_see_beside(const td_image *image, TD_GLOBAL const td_real *beside, const int *curve, int together,
                                    td_lanes way, td_lanes rate, TD_GLOBAL td_real *view) {
     td_lanes green, green_slope, blue, blue_slope;
@@ -212,21 +229,7 @@ TD_INLINE void td_point_see_beside(const td_image *image, TD_GLOBAL const td_rea
         td_point_cubic(of.a, of.c, of.e, of.g, way, &green, &green_slope);
         td_point_cubic(of.b, of.d, of.f, of.h, way, &blue, &blue_slope);
     }
-    const td_dual g = td_sh_floor(td_dual_make(green, green_slope * rate), image->colour_floor);
-    const td_dual b = td_sh_floor(td_dual_make(blue, blue_slope * rate), image->colour_floor);
-    if (!td_is_coded(image)) {
-        td_dual red =
-            td_dual_make(td_load_lanes(view + TD_V_LUMINANCE * TD_LANES), td_load_lanes(view + TD_V_LUMINANCE_DOT * TD_LANES));
-        td_dual light = td_dual_plus(td_dual_scale(red, image->luminance[0]), image->luminance[1], g);
-        light = td_dual_plus(light, image->luminance[2], b);
-        td_store_lanes(view + TD_V_LUMINANCE * TD_LANES, light.v);
-        td_store_lanes(view + TD_V_LUMINANCE_DOT * TD_LANES, light.d);
-        return;
-    }
-    td_store_lanes(view + TD_V_GREEN * TD_LANES, g.v);
-    td_store_lanes(view + TD_V_GREEN_DOT * TD_LANES, g.d);
-    td_store_lanes(view + TD_V_BLUE * TD_LANES, b.v);
-    td_store_lanes(view + TD_V_BLUE_DOT * TD_LANES, b.d);
+    td_point_add_beside(image, td_dual_make(green, green_slope * rate), td_dual_make(blue, blue_slope * rate), view);
 }
 
 /* -- a list -------------------------------------------------------------------------------------------------------- */

@@ -1,6 +1,7 @@
 /* Points, single pixels at single times, in double precision: makes the lists of tiles, and composites the points. */
 #include "bitonic.h"
 #include "path_node.h"
+#include "point_instants.h"
 #include "points.h"
 
 /* Waits until the writes of the work-group are visible. With several lanes a work-group has one work-item, which needn't
@@ -305,4 +306,39 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
     what.backdrop.green = green;
     what.backdrop.blue = blue;
     td_values_apart(image_buffer, &paths, &lists, &points, &what, turn);
+}
+
+TD_APART void td_instants_apart(__constant const td_image *image_buffer, const td_instants *all, const td_values_to_find *what,
+                                volatile __global int *turn) {
+    const td_image image = *image_buffer;
+    const td_instants of = *all;
+    const td_values_to_find to = *what;
+    for (int i; (i = atomic_inc(turn) * TD_LANES) < to.count;)
+        td_instant_values(&of, i, to.count - i < TD_LANES ? to.count - i : TD_LANES, &image, to.entries, &to.backdrop,
+                          to.values);
+}
+
+/* Values of `count` points whose rows were projected at their own times. Work-items take TD_LANES points at a time; each has
+ * `room` reals of memory. */
+__kernel void td_point_instants(__constant const td_image *image_buffer, __global const td_real *rows,
+                                __global const td_real *beside, __global const int *end, __global const td_real *columns,
+                                int count, int most, __global td_real *entries, int room, td_real backdrop,
+                                td_real backdrop_dot, td_real green, td_real blue, __global td_real *values,
+                                volatile __global int *turn) {
+    td_instants of;
+    of.rows = rows;
+    of.beside = beside;
+    of.end = end;
+    of.x = columns;
+    of.y = columns + count;
+    of.most = most;
+    td_values_to_find what;
+    what.entries = entries + (long)get_global_id(0) * room;
+    what.values = values;
+    what.count = count;
+    what.backdrop.first = backdrop;
+    what.backdrop.first_dot = backdrop_dot;
+    what.backdrop.green = green;
+    what.backdrop.blue = blue;
+    td_instants_apart(image_buffer, &of, &what, turn);
 }

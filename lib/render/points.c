@@ -208,24 +208,29 @@ static td_point_place place_of(const td_points *p, const td_point *point, int wh
     return (td_point_place){{(uint8_t)(point->x % TD_TILE), (uint8_t)(point->y % TD_TILE), (uint8_t)step}, which};
 }
 
+/* Finds where each tile's points begin, of those numbered which[0 .. count), or of all where that is NULL: begin (tiles). */
+static void count_points(const tides_renderer *renderer, const td_point *points, const int *which, int count, int *begin) {
+    const int tiles = renderer->stats.tiles;
+    memset(begin, 0, (size_t)tiles * sizeof *begin);
+    for (int i = 0; i < count; i++) begin[tile_of(renderer, &points[which ? which[i] : i])]++;
+    for (int i = 0, sum = 0; i < tiles; i++) {
+        const int own = begin[i];
+        begin[i] = sum;
+        sum += own;
+    }
+}
+
 /* Orders the points which[0 .. count) tile by tile, with neighbours together: order (count). */
 static tides_status order_points(const tides_renderer *renderer, td_points *p, const td_point *points, const int *which,
                                  int count, int *order, tides_error *error) {
-    const int tiles = renderer->stats.tiles;
     tides_status status = td_reserve((void **)&p->place, &p->place_capacity, 2 * (size_t)count, sizeof *p->place, error);
     if (status != TIDES_OK) return status;
     td_point_place *places = p->place;
     int *end = p->wanted; /* borrowed as scratch: no lists are wanted yet */
-    memset(end, 0, (size_t)tiles * sizeof *end);
-    for (int i = 0; i < count; i++) end[tile_of(renderer, &points[which[i]])]++;
-    for (int i = 0, sum = 0; i < tiles; i++) {
-        const int own = end[i];
-        end[i] = sum;
-        sum += own;
-    }
+    count_points(renderer, points, which, count, end);
     for (int i = 0; i < count; i++)
         places[end[tile_of(renderer, &points[which[i]])]++] = place_of(p, &points[which[i]], which[i]);
-    const td_point_tiles all = {places, places + count, end, tiles, count, p->engine->lanes};
+    const td_point_tiles all = {places, places + count, end, renderer->stats.tiles, count, p->engine->lanes};
     td_point_gather_all(renderer->pool, &all, order);
     return TIDES_OK;
 }
@@ -307,7 +312,8 @@ static tides_status take_direct(tides_renderer *renderer, const tides_trajectory
             asked->which[left++] = asked->which[i];
     asked->count = left;
     const td_points_some some = {asked->points, asked->values, asked->order, direct};
-    return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, &some, error);
+    const td_direct_user user = {renderer, camera, p->engine};
+    return td_points_direct_values(&user, &p->direct, p->nodes.exact, &p->at, &some, error);
 }
 
 /* Computes the points of the part whose rows are ready. */
@@ -465,10 +471,12 @@ static tides_status direct_points(tides_renderer *renderer, const tides_trajecto
     tides_status status = td_renew((void **)&p->which, &p->which_capacity, 2 * count, sizeof *p->which, error);
     drop_launch(p);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &p->at, &points[i], error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) p->which[i] = (int)i;
     if (status != TIDES_OK) return status;
+    count_points(renderer, points, NULL, (int)count, p->wanted); /* tile by tile: neighbours see the same splats */
+    for (int i = 0; i < (int)count; i++) p->which[p->wanted[tile_of(renderer, &points[i])]++] = i;
     const td_points_some all = {points, values, p->which, (int)count};
-    return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, &all, error);
+    const td_direct_user user = {renderer, camera, p->engine};
+    return td_points_direct_values(&user, &p->direct, p->nodes.exact, &p->at, &all, error);
 }
 
 tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,

@@ -52,10 +52,16 @@ static tides_status take_tile(td_near_portion *of, const td_point_span *span, in
     return status;
 }
 
-/* Finds the boxes that touch a pixel. */
+/* Half the width of what boxes must touch [px]: a pixel's centre, and what rounding may make of boxes. With whole pixels a
+ * point has half as many splats again. */
+static const float about = 0.0625f;
+
+/* Finds the boxes that touch a pixel's centre. */
 TD_WIDE static void find_touching(int count, const float *x0, const float *y0, const float *x1, const float *y1, float x,
                                   float y, uint8_t *restrict touches) {
-    for (int i = 0; i < count; i++) touches[i] = (uint8_t)((x0[i] <= x + 1) & (x1[i] >= x) & (y0[i] <= y + 1) & (y1[i] >= y));
+    const float left = x + (0.5f - about), right = x + (0.5f + about), top = y + (0.5f - about), bottom = y + (0.5f + about);
+    for (int i = 0; i < count; i++)
+        touches[i] = (uint8_t)((x0[i] <= right) & (x1[i] >= left) & (y0[i] <= bottom) & (y1[i] >= top));
 }
 
 /* Adds what a point may see; `count` gets how much. */

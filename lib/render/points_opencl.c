@@ -24,7 +24,7 @@ static const size_t room_limit = (size_t)512 << 20;
 typedef struct opencl_points {
     td_points_engine base;
     tides_device *device;
-    cl_kernel misfit_kernel, splat_kernel, list_kernel, value_kernel;
+    cl_kernel misfit_kernel, splat_kernel, list_kernel, value_kernel, instant_kernel;
     td_buffer image;
     struct {
         td_buffer first, lengths, misfits;
@@ -223,14 +223,15 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
     return td_finish(p->device, status, error);
 }
 
-/* Number of work-items for so many chunks, and their scratch. */
-static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, int *rows, tides_error *error) {
-    const size_t places = p->interval.longest > 0 ? (size_t)p->interval.longest : 1;
-    const size_t room = places * (p->is_coded ? CODED_ENTRY_REALS : ENTRY_REALS) * (size_t)p->base.lanes * sizeof(cl_double);
+/* Reals of an entry, for each lane. */
+static size_t entry_reals(const opencl_points *p) { return p->is_coded ? CODED_ENTRY_REALS : ENTRY_REALS; }
+
+/* Number of work-items for so many chunks, and their scratch of `reals` each. */
+static tides_status reserve_rooms(opencl_points *p, int chunks, size_t reals, size_t *items, tides_error *error) {
+    const size_t room = reals * sizeof(cl_double);
     size_t most = on_gpu(p) ? GPU_WORKERS : (size_t)p->device->info.compute_units;
     if (most > room_limit / room) most = room_limit / room;
     if (most > (size_t)chunks) most = (size_t)chunks;
-    *rows = (int)places;
     *items = most < 1 ? 1 : most;
     if (on_gpu(p)) *items = (*items + GPU_GROUP - 1) / GPU_GROUP * GPU_GROUP;
     return td_buffer_reserve(p->device, &p->entries, *items * room, error);
@@ -287,9 +288,10 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
 static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
     const size_t stride = (size_t)batch->count + TD_PAD; /* the last lanes read beyond the end */
+    const int rows = p->interval.longest > 0 ? p->interval.longest : 1;
     size_t items;
-    int rows;
-    tides_status status = reserve_rooms(p, batch->chunk_count, &items, &rows, error);
+    tides_status status =
+        reserve_rooms(p, batch->chunk_count, (size_t)rows * entry_reals(p) * (size_t)p->base.lanes, &items, error);
     if (status == TIDES_OK) status = send_batch(p, batch, stride, error);
     if (status == TIDES_OK) status = launch_values(p, batch, items, rows, (cl_int)stride, error);
     p->batch.out = out;
@@ -306,6 +308,53 @@ static tides_status finish(td_points_engine *engine, tides_error *error) {
     return status;
 }
 
+static tides_status launch_instants(opencl_points *p, const td_points_instants *points, size_t items, cl_int room,
+                                    tides_error *error) {
+    size_t local = on_gpu(p) ? GPU_GROUP : 1;
+    const cl_int count = points->count, most = points->most;
+    const td_points_backdrop behind = points->backdrop;
+    const td_buffer *rows = points->exact ? td_exact_row_buffer(points->exact) : &p->image;
+    const td_buffer *beside = points->exact ? td_exact_beside_buffer(points->exact) : &p->image;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
+                                     {rows, NULL, 0},
+                                     {beside, NULL, 0},
+                                     TD_BUFFER_ARGUMENT(p->batch.piece),
+                                     TD_BUFFER_ARGUMENT(p->batch.columns),
+                                     TD_VALUE_ARGUMENT(count),
+                                     TD_VALUE_ARGUMENT(most),
+                                     TD_BUFFER_ARGUMENT(p->entries),
+                                     TD_VALUE_ARGUMENT(room),
+                                     TD_VALUE_ARGUMENT(behind.first),
+                                     TD_VALUE_ARGUMENT(behind.first_dot),
+                                     TD_VALUE_ARGUMENT(behind.green),
+                                     TD_VALUE_ARGUMENT(behind.blue),
+                                     TD_BUFFER_ARGUMENT(p->batch.values),
+                                     TD_BUFFER_ARGUMENT(p->batch.turn)};
+    return td_launch(p->device, p->instant_kernel, 1, &items, &local, TD_ARGUMENTS(arguments), NULL, error);
+}
+
+/* Points without curves, in the buffers of batches; their ends are in that of pieces. */
+static tides_status instants(td_points_engine *engine, const td_points_instants *points, double *out, tides_error *error) {
+    static const cl_int nobody = 0;
+    opencl_points *p = (opencl_points *)engine;
+    const size_t count = (size_t)points->count, column = count * sizeof(cl_double), lanes = (size_t)p->base.lanes;
+    const size_t most = (size_t)points->most, entry = entry_reals(p);
+    const size_t room = most * (entry * lanes + entry + 2) + entry * lanes + lanes; /* td_instant_reals */
+    size_t items;
+    tides_status status = reserve_rooms(p, (int)((count + lanes - 1) / lanes), room, &items, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->batch.columns, 2 * column + 1, error);
+    if (status == TIDES_OK && count > 0) status = td_buffer_write_at(p->device, &p->batch.columns, 0, points->x, column, error);
+    if (status == TIDES_OK && count > 0)
+        status = td_buffer_write_at(p->device, &p->batch.columns, column, points->y, column, error);
+    if (status == TIDES_OK && count > 0)
+        status = td_buffer_write(p->device, &p->batch.piece, points->end, count * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->batch.turn, &nobody, sizeof nobody, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->batch.values, 2 * column + 1, error);
+    if (status == TIDES_OK) status = launch_instants(p, points, items, (cl_int)room, error);
+    if (status == TIDES_OK && count > 0) status = td_buffer_read(p->device, &p->batch.values, out, 2 * column, error);
+    return td_finish(p->device, status, error);
+}
+
 static void destroy(td_points_engine *engine) {
     opencl_points *p = (opencl_points *)engine;
     td_buffer *buffers[] = {&p->tried.first,         &p->tried.lengths,    &p->tried.misfits,  &p->image,
@@ -320,10 +369,11 @@ static void destroy(td_points_engine *engine) {
     if (p->splat_kernel) clReleaseKernel(p->splat_kernel);
     if (p->list_kernel) clReleaseKernel(p->list_kernel);
     if (p->value_kernel) clReleaseKernel(p->value_kernel);
+    if (p->instant_kernel) clReleaseKernel(p->instant_kernel);
     free(p);
 }
 
-static const td_points_class opencl_points_class = {misfits, begin, add, lists, values, finish, destroy};
+static const td_points_class opencl_points_class = {misfits, begin, add, lists, values, finish, instants, destroy};
 
 /* Sends the image in double: reals, then ints. */
 static tides_status write_image(opencl_points *p, const td_image_numbers *image, tides_error *error) {
@@ -342,7 +392,8 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
     } kernels[] = {{"td_point_find_misfits", &p->misfit_kernel},
                    {"td_point_make_splats", &p->splat_kernel},
                    {"td_point_make_lists", &p->list_kernel},
-                   {"td_point_values", &p->value_kernel}};
+                   {"td_point_values", &p->value_kernel},
+                   {"td_point_instants", &p->instant_kernel}};
     /* Decisions that don't concern points are fixed to 0, so that few programs are built. All degrees but 0 are one. */
     char *defines =
         td_format(error,
@@ -369,6 +420,7 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
         {.gaussians = 1, .slices = {1, 1, 0, 1}, .candidates = none, .candidate_count = 1, .tiles = &nothing, .tile_count = 1};
     const td_points_group nothing_added = {.row = none, .lengths = no_length, .seen = none, .path = none, .sights = none};
     const td_points_batch batch = {{no_length, no_length, no_length, no_length}, none, 0, NULL, 0, {0, 0, 0, 0}};
+    const td_points_instants no_instants = {.most = 1};
     const td_points_misfits nobody = {NULL, 1, none, 0, 1, no_length, 1, 1};
     td_buffer *misfit_buffers[] = {&p->tried.first, &p->tried.lengths, &p->tried.misfits};
     tides_status status = begin(&p->base, &interval, error);
@@ -379,7 +431,8 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
     if (status == TIDES_OK) status = lists(&p->base, none, 1, error);
     if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->batch.chunks, sizeof(td_points_chunk), error);
     if (status == TIDES_OK) status = values(&p->base, &batch, NULL, error);
-    return status == TIDES_OK ? finish(&p->base, error) : status;
+    if (status == TIDES_OK) status = finish(&p->base, error);
+    return status == TIDES_OK ? instants(&p->base, &no_instants, NULL, error) : status;
 }
 
 tides_status td_points_create_opencl(tides_device *device, const td_image_numbers *image, td_points_engine **engine,

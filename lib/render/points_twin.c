@@ -2,6 +2,7 @@
  * precision. */
 #define TD_REAL_DOUBLE
 #include "kernels/path_node.h"
+#include "kernels/point_instants.h"
 #include "kernels/points.h"
 #include "td_base.h"
 #include "td_points.h"
@@ -176,13 +177,16 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
     return TIDES_OK;
 }
 
+static td_point_backdrop backdrop_of(const td_points_backdrop *given) {
+    const td_point_backdrop behind = {given->first, given->first_dot, given->green, given->blue};
+    return behind;
+}
+
 static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {
     twin *t = (twin *)engine;
     const td_point_paths paths = paths_of(t);
     const td_point_lists all = {t->places, t->tests};
-    const td_points_backdrop *given_backdrop = &batch->backdrop;
-    const td_point_backdrop behind = {given_backdrop->first, given_backdrop->first_dot, given_backdrop->green,
-                                      given_backdrop->blue};
+    const td_point_backdrop behind = backdrop_of(&batch->backdrop);
     const td_point_arrays points = {batch->column[0], batch->column[1], batch->column[2], batch->column[3], batch->piece};
     for (int i = 0; i < batch->chunk_count; i++) {
         const td_points_chunk *given = &batch->chunks[i];
@@ -202,6 +206,18 @@ static tides_status finish(td_points_engine *engine, tides_error *error) {
     return TIDES_OK;
 }
 
+static tides_status instants(td_points_engine *engine, const td_points_instants *points, double *out, tides_error *error) {
+    twin *t = (twin *)engine;
+    const td_point_backdrop behind = backdrop_of(&points->backdrop);
+    const size_t room = td_instant_reals(&t->image, points->most);
+    tides_status status = td_reserve((void **)&t->entries, &t->entry_capacity, room, sizeof *t->entries, error);
+    if (status == TIDES_OK && points->count > 0) status = take_rows(t, points->exact, points->end[points->count - 1], error);
+    const td_instants of = {t->rows, t->rows_beside, points->end, points->x, points->y, points->most};
+    for (int i = 0; i < points->count && status == TIDES_OK; i++)
+        td_instant_values(&of, i, 1, &t->image, t->entries, &behind, out);
+    return status;
+}
+
 static void destroy(td_points_engine *engine) {
     twin *t = (twin *)engine;
     free(t->records);
@@ -219,7 +235,7 @@ static void destroy(td_points_engine *engine) {
     free(t);
 }
 
-static const td_points_class twin_class = {misfits, begin, add, lists, values, finish, destroy};
+static const td_points_class twin_class = {misfits, begin, add, lists, values, finish, instants, destroy};
 
 tides_status td_points_create_twin(const td_image_numbers *image, td_points_engine **engine, tides_error *error) {
     twin *t = td_alloc(1, sizeof *t, error);

@@ -72,6 +72,15 @@ typedef struct td_points_batch {
     td_points_backdrop backdrop;
 } td_points_batch;
 
+/* Points whose splats were projected at the points' own times, each to a row. */
+typedef struct td_points_instants {
+    td_exact *exact;     /* whose rows they are */
+    const double *x, *y; /* (count) pixel centres */
+    const int *end;      /* (count) point k has the rows from end[k - 1] up to end[k] */
+    int count, most;     /* most: rows that a point has at most */
+    td_points_backdrop backdrop;
+} td_points_instants;
+
 /* A request for misfits of a level's paths, given by their first rows (count; TD_PAD more must be readable). */
 typedef struct td_points_misfits {
     td_exact *exact;
@@ -108,6 +117,9 @@ typedef struct td_points_class {
      * must be made before. */
     tides_status (*values)(td_points_engine *engine, const td_points_batch *batch, double *values, tides_error *error);
     tides_status (*finish)(td_points_engine *engine, tides_error *error);
+    /* Computes values (2 x count) of points without curves, of which the interval knows nothing. No other values may be under
+     * way. */
+    tides_status (*instants)(td_points_engine *engine, const td_points_instants *points, double *values, tides_error *error);
     void (*destroy)(td_points_engine *engine);
 } td_points_class;
 

@@ -232,11 +232,12 @@ static void test_points_outside_are_refused(void **state) {
     close_world(&w);
 }
 
-/* On kernels of `lanes`, however the points are asked for, the bits of the twin. */
+/* On kernels of `lanes`, however the points are asked for, the bits of the twin; behind them its bits without curves. */
 static void check_lanes(int lanes, const random_recipe *recipe, double length, double soft_depth, const td_point *points,
                         const td_point_value *twin) {
     static td_point turned[POINTS];
     static td_point_value all[POINTS], back[POINTS];
+    tides_error error;
     tides_device *device = open_device("cpu");
     device->info.lanes = device->double_lanes = lanes;
     point_world w = world_on(device, recipe, length, soft_depth);
@@ -251,17 +252,21 @@ static void check_lanes(int lanes, const random_recipe *recipe, double length, d
             fail_msg("%d lanes, point %d: %.17g, the twin has %.17g; %.17g and %.17g", lanes, i, all[i].L, twin[i].L,
                      all[i].L_dot, twin[i].L_dot);
     }
+    scene_expect_ok(td_renderer_direct_points(w.renderer, w.scene.path, points, POINTS, back, &error), &error);
+    assert_memory_equal(back, twin + POINTS, sizeof back);
     close_world(&w);
 }
 
 static void check_devices(const random_recipe *recipe, double length, double soft_depth) {
     static const int lanes[] = {8, 4, 1};
     static td_point points[POINTS];
-    static td_point_value twin[POINTS];
+    static td_point_value twin[2 * POINTS];
+    tides_error error;
     point_world c = open_world(recipe, "reference-f32", length, soft_depth);
     scatter(&c, points);
     be_exact(&c);
     values_of(&c, points, POINTS, twin);
+    scene_expect_ok(td_renderer_direct_points(c.renderer, c.scene.path, points, POINTS, twin + POINTS, &error), &error);
     for (size_t i = 0; i < sizeof lanes / sizeof *lanes; i++) check_lanes(lanes[i], recipe, length, soft_depth, points, twin);
     close_world(&c);
 }
@@ -465,8 +470,7 @@ static void test_three_channels(void **state) {
         check_devices(&recipe, 0.005, 1e-4); /* hard order, whose kernels are others, is the reference's below */
         check_against_frames(&recipe, 0, 1e-4, 1e-12, 1e-9);
         check_against_frames(&recipe, 0, 0, 1e-12, 1e-9);
-        recipe.spread = 1.2;
-        recipe.moving = 0;
+        recipe.spread = 1.2, recipe.moving = 0;
         check_against_frames(&recipe, 1e-4, 1e-4, 1e-8, 1e-5);
         check_against_frames(&recipe, 0.01, 1e-4, 1e-4, 0.1);
     }
