@@ -28,7 +28,8 @@ typedef struct kind {
 #define GEN4 "sensor.preset=gen4"
 static const kind others[] = {
     {"low light", {GEN4, "frontend.photoreceptor_cutoff_hz=16"}},
-    {"by light", {GEN4, "frontend.photoreceptor_cutoff_hz=300", "frontend.photoreceptor_law=intensity", "sensor.refractory_s=1e-4"}},
+    {"by light",
+     {GEN4, "frontend.photoreceptor_cutoff_hz=300", "frontend.photoreceptor_law=intensity", "sensor.refractory_s=1e-4"}},
     {"noise", {"frontend.noise_rms=0.02", "frontend.noise_cutoff_hz=300"}},
     {"gen4, rms", {GEN4, "frontend.noise_rms=0.0238", "frontend.noise_cutoff_hz=77", "frontend.noise_sigma=0.04"}},
     {"low light, rms",
