@@ -206,13 +206,23 @@ TD_WIDE static void find_turns(const td_timing *timing, const td_timed *timed, s
 /* S' = rate (L - S) also takes in errors of L. S has two errors with independent signs, which add as squares: the part of this
  * step's error that has come through so far, and the rest of earlier steps' errors. */
 
-/* The integral from 0 to s of the error's shape, which is 1 in the middle. */
+/* The integral from 0 to s of the error's shape, which is 1 in the middle. A kink in the middle has the shape (1 - |2 s - 1|)^2
+ * with the integral 1/3. Kinks are anywhere in the step, so that the shape here is a parabola of that integral. */
 static inline double bow_until(int is_smooth, double s) {
-    return is_smooth ? 16 * s * s * s * (1.0 / 3 - s * (0.5 - 0.2 * s)) : 4 * s * s * (0.5 - s * (1.0 / 3));
+    return is_smooth ? 16 * s * s * s * (1.0 / 3 - s * (0.5 - 0.2 * s)) : 2 * s * s * (0.5 - s * (1.0 / 3));
 }
 
-/* The part of an error, 1 in the middle, that has come through by s in a step of `rate`: at most 1, since S is an average. */
-static inline double passed_until(int is_smooth, double rate, double s) { return td_lesser(rate * bow_until(is_smooth, s), 1); }
+/* The part of an error, 1 in the middle, that has come through by s in a step of `rate`. S is an average over what came last:
+ * of what came more than `memory` time constants before, e^-memory is left. */
+static inline double passed_until(int is_smooth, double rate, double s) {
+    const double memory = 3, from = rate * s > memory ? s - memory / rate : 0;
+    const double nearest = s < 0.5 ? s : td_greater(from, 0.5); /* to the middle */
+    return td_lesser(rate * bow_until(is_smooth, s), share_of(is_smooth, nearest));
+}
+
+/* The rounding of S over that of L. Roundings of a step's ends are independent of earlier ones, and the filter averages them
+ * over its time constant: rate^2 times the sum of e^(-2 rate k). */
+static inline double averaged(double rate) { return sqrt(td_lesser(0.5 * rate, 1)); }
 
 /* The filter's rate in a step, where the light is L. */
 static inline double rate_at(const td_timed *timed, double L) {
@@ -234,7 +244,8 @@ static void filter_turn(const td_timed *timed, int n, some *of) {
         known ? (double)of->own[n].light - of->rise[n] : rate * (L - (reference_at(timed, i, s) - ramp_at(timed, i, at)));
     of->bend[n] = rate * (td_model_slope(&model, at) - of->slope[n]);
     of->middle[n] = of->deviation[n] * passed_until(of->is_smooth[n] > 0, rate, s);
-    of->rounding[n] = td_timing_together(of->rounding[n], timed->adds * timed->filter_error[i] * td_exponential(-rate * s));
+    of->rounding[n] =
+        td_timing_together(of->rounding[n] * averaged(rate), timed->adds * timed->filter_error[i] * td_exponential(-rate * s));
 }
 
 /* Carries the filter's errors to the step's end. It uses the law's most probable share, since the carried error is a sum over
