@@ -194,7 +194,7 @@ typedef struct td_image {
     int decoder;    /* TD_DECODER_...; 0: splats have colours */
     int lens_model; /* TD_LENS_... */
     int is_coded;   /* 1: light isn't linear in colours, which are composited as three channels */
-    int padding;
+    int colours_move; /* 1: some Gaussians have colours that change by themselves */
 } td_image;
 
 #include "choices.h"
