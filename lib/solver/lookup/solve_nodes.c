@@ -44,9 +44,10 @@ int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *node
     return count;
 }
 
-/* Where colours meet their clamp, each pixel has kinks of its own, and a cut may miss one: terms of its deviation cancel, and it
- * says nothing of where the kink is (check_lost, lights 9014 and 20002: by 2.2 and 8 of what the cut saw). The cubic misses a
- * kink by an eighth of its change of rate, at most; that change is taken to be the rate's between the step's ends. */
+/* Where colours meet their clamp, each pixel has kinks of its own, and a cut may miss one: terms of its deviation cancel, and
+ * it says nothing of where the kink is (check_lost, lights 9014 and 20002: errors of 2.2 and 8 times what the cut said). The
+ * cubic misses a kink by an eighth of its change of rate, at most. That change is taken to be the rate's between the step's
+ * ends. */
 static void allow_kinks(double h, const double *S0_dot, const double *S1_dot, int32_t count, td_trust *trust) {
     for (int32_t i = 0; i < count; i++) {
         const double kinks = 0.125 * h * fabs(S1_dot[i] - S0_dot[i]);
@@ -155,8 +156,7 @@ void td_solve_insert(const td_solve *solve, td_looked *looked, int32_t number, d
     const double h = (b.s - a.s) * ends->h, u = (s - a.s) / (b.s - a.s);
     const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, a.S, a.S_dot, b.S, b.S_dot);
     td_trust *left = before >= 0 ? &solve->found[before].trust : &looked->trust;
-    const td_trust whole =
-        learnt(left, u, value->L - td_model_value(&model, u), h * value->L_dot - td_model_slope(&model, u));
+    const td_trust whole = learnt(left, u, value->L - td_model_value(&model, u), h * value->L_dot - td_model_slope(&model, u));
     const td_trust right = {left_in(&whole, 1 - u), whole.is_smooth, unseen_in(&whole, 1 - u)};
     solve->found[number] = (td_found){{s, value->L, value->L_dot}, right, after};
     *left = (td_trust){left_in(&whole, u), whole.is_smooth, unseen_in(&whole, u)};
