@@ -78,6 +78,12 @@
 #define td_is_coded(image) ((image)->is_coded)
 #endif
 
+#ifdef TD_BUILD_COLOURS_MOVE
+#define td_colours_move(image) TD_BUILT(image, TD_BUILD_COLOURS_MOVE)
+#else
+#define td_colours_move(image) ((image)->colours_move)
+#endif
+
 #define td_with_diagnostics(image) (td_outputs(image) >= TD_OUT_DIAGNOSTICS)
 #define td_with_colour(image) (td_outputs(image) >= TD_OUT_COLOUR)
 #define td_with_rates(image) (td_outputs(image) != TD_OUT_LUMINANCE)
@@ -88,7 +94,7 @@
 #define td_with_channels(image) (!td_with_decoder(image) && td_with_colour(image) && !td_is_coded(image))
 #define td_by_channels(image) (!td_with_decoder(image) && td_is_coded(image))
 /* 1 where record paths have red, green and blue by themselves, before their clamp at 0: light isn't linear in them, or they
- * depend on the direction, so that a clamp may begin or end. */
-#define td_paths_by_channels(image) (td_is_coded(image) || td_sh_degree(image) > 0)
+ * depend on the direction or the time, so that a clamp may begin or end. */
+#define td_paths_by_channels(image) (td_is_coded(image) || td_sh_degree(image) > 0 || td_colours_move(image))
 
 #endif

@@ -188,13 +188,13 @@ typedef struct td_image {
     int objects;
     int sh_degree, sh_stride; /* evaluated bands; reals per Gaussian in the SH array */
     int antialias, cut_rule, stop_rule, extent_rule;
-    int moving;     /* 1: some Gaussians have rates of their own */
-    int outputs;    /* TD_OUT_LUMINANCE, _SIGNAL, _SIGNAL_Y, _DIAGNOSTICS or _COLOUR */
-    int soft_order; /* 1: soft depth order */
-    int decoder;    /* TD_DECODER_...; 0: splats have colours */
-    int lens_model; /* TD_LENS_... */
-    int is_coded;   /* 1: light isn't linear in colours, which are composited as three channels */
-    int padding;
+    int moving;       /* 1: some Gaussians have rates of their own */
+    int outputs;      /* TD_OUT_LUMINANCE, _SIGNAL, _SIGNAL_Y, _DIAGNOSTICS or _COLOUR */
+    int soft_order;   /* 1: soft depth order */
+    int decoder;      /* TD_DECODER_...; 0: splats have colours */
+    int lens_model;   /* TD_LENS_... */
+    int is_coded;     /* 1: light isn't linear in colours, which are composited as three channels */
+    int colours_move; /* 1: some Gaussians have colours that change by themselves */
 } td_image;
 
 #include "choices.h"

@@ -125,8 +125,9 @@ typedef struct tides_stats {
      * precision: shorter steps would show as much. */
     uint64_t steps_at_rounding;
     /* Events that the signal's estimated error may undo, and places where it may make events: the signal turns, or the run
-     * ends, so near a level that the error decides whether it is reached. A tile counts too, once a macro step, where more
-     * pairs of splats may swap in depth than are searched. Not counted under FIXED. */
+     * ends, so near a level that the error decides whether it is reached. Where events are looked up, a turn counts as two,
+     * because the pixel's next event depends on it. A tile counts too, once a macro step, where more pairs of splats may swap
+     * in depth than are searched. Not counted under FIXED. */
     uint64_t events_uncertain;
     double worst_deviation;                 /* largest deviation at a probe on which a step rests [thresholds] */
     uint64_t events_solved;                 /* of `events`, those whose times were looked up in the image (stepping.solve) */

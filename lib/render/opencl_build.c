@@ -16,7 +16,8 @@ enum {
     BY_DECODER = 256,
     BY_LENS = 512,
     BY_CODED = 1024,
-    BY_ALL = 2047,
+    BY_COLOURS_MOVE = 2048,
+    BY_ALL = 4095,
     BY_PROJECTION = BY_SH | BY_ANTIALIAS | BY_CUT | BY_EXTENT | BY_MOVING | BY_SOFT_ORDER | BY_LENS
 };
 
@@ -31,7 +32,7 @@ static int decisions_of(const char *files) {
                  {"composite.cl", BY_CUT | BY_STOP | BY_OUTPUTS | BY_SOFT_ORDER | BY_DECODER | BY_LENS | BY_CODED},
                  {"interpolate.cl", 0},
                  {"misfit.cl", BY_PROJECTION},
-                 {"path_nodes.cl", BY_PROJECTION | BY_CODED}};
+                 {"path_nodes.cl", BY_PROJECTION | BY_CODED | BY_COLOURS_MOVE}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (strcmp(known[i].files, files) == 0) return known[i].decisions;
     return BY_ALL;
@@ -52,7 +53,8 @@ char *td_opencl_defines(const char *files, const td_image *image, int outputs, t
                {"SOFT_ORDER", image->soft_order},
                {"DECODER", image->decoder},
                {"LENS", image->lens_model},
-               {"CODED", image->is_coded}};
+               {"CODED", image->is_coded},
+               {"COLOURS_MOVE", image->colours_move}};
     int decisions = decisions_of(files);
     char text[640] = "";
     for (size_t i = 0, used = 0; i < sizeof all / sizeof *all; i++)

@@ -394,16 +394,16 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
                    {"td_point_make_lists", &p->list_kernel},
                    {"td_point_values", &p->value_kernel},
                    {"td_point_instants", &p->instant_kernel}};
-    /* Decisions that don't concern points are fixed to 0, so that few programs are built. All degrees but 0 are one. */
-    char *defines =
-        td_format(error,
-                  "#define TD_BUILD_SH_DEGREE %d\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
-                  "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"
-                  "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER "
-                  "0\n#define TD_BUILD_LENS 0\n#define TD_BUILD_CODED %d\n",
-                  image.sh_degree > 0 && !image.is_coded, image.cut_rule, TD_OUT_SIGNAL, image.soft_order, image.is_coded);
     p->is_coded = image.is_coded;
     p->by_channels = td_paths_by_channels(&image);
+    /* Decisions that don't concern points are fixed to 0, so that few programs are built. All degrees but 0 are one, and so are
+     * colours that change by themselves. */
+    char *defines = td_format(error,
+                              "#define TD_BUILD_SH_DEGREE %d\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
+                              "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"
+                              "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER "
+                              "0\n#define TD_BUILD_LENS 0\n#define TD_BUILD_CODED %d\n#define TD_BUILD_COLOURS_MOVE 0\n",
+                              p->by_channels && !p->is_coded, image.cut_rule, TD_OUT_SIGNAL, image.soft_order, image.is_coded);
     tides_status status = defines ? TIDES_OK : TIDES_NO_MEMORY;
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels && status == TIDES_OK; i++)
         status = td_kernel_create_double(p->device, "points.cl", defines, kernels[i].name, kernels[i].kernel, error);

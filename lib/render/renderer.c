@@ -93,6 +93,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     if (status != TIDES_OK) goto done;
     made->image.objects = made->store.objects;
     made->image.sh_stride = made->store.sh_stride;
+    made->image.colours_move = made->store.movers.moves_sh;
     td_image_set_decoder(scene, &made->store, &made->image);
     made->stats.gaussians_total = (uint64_t)made->store.real_count;
     made->stats.gaussians_dropped = (uint64_t)tides_scene_dropped(scene);

@@ -11,6 +11,10 @@ const double *td_renderer_knots(const tides_renderer *renderer, size_t *count) {
 
 int td_renderer_is_double(const tides_renderer *renderer) { return td_device_is_double(renderer->device); }
 
+int td_renderer_colours_bend(const tides_renderer *renderer) {
+    return renderer->image.colours_move && renderer->image.colour_floor >= 0;
+}
+
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return renderer->candidates.moving[tile]; }
 
 /* The largest travel over a colour filter's channels. Travel includes changes of colour, which differ by channel; whether a

@@ -179,6 +179,9 @@ tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_traje
 /* 1 if points are in double, except for rows from motion models, which are in single precision. */
 int td_renderer_points_rounded(const tides_renderer *renderer);
 
+/* 1 where colours change by themselves and are clamped at 0, so that they have kinks at times of their own. */
+int td_renderer_colours_bend(const tides_renderer *renderer);
+
 /* Computes points of the interval swept last without record paths: all that each may see is projected at its own time, at ten
  * times the cost. The difference is the error of record paths. */
 tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,

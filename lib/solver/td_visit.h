@@ -33,9 +33,10 @@ typedef struct td_visit {
 } td_visit;
 
 /* A place where the signal may be at a level that the model doesn't reach: the model's error as estimated and as it may be, and
- * the distance to the level. */
+ * the distance to the level. Its piece. */
 typedef struct td_approach {
     double s, error, doubt, left;
+    int piece;
 } td_approach;
 
 /* td_changes_until: how many changes are at s or before. td_reference_after: the reference after so many. */

@@ -62,7 +62,7 @@ static void pass(const char *device, double threshold, double backdrop, double r
     assert_true(stream.count > 500);
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         if (net[i] != 0) fail_msg("pixel (%d, %d) ends %d levels off", i % WIDTH, i / WIDTH, net[i]);
-    assert_true(stats.events_uncertain <= 1 + stream.count / 20000);
+    assert_true(stats.events_uncertain <= 2 * (1 + stream.count / 20000)); /* a level in doubt counts as two events */
     assert_true(stats.error_p99_s < 1e-6);
     free(stream.events);
 }

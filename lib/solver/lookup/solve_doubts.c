@@ -287,6 +287,7 @@ int td_find_approaches(const td_visit *v, td_approach *found, int most, int *gra
         }
         if (may_reach(v, k)) look_between(v, k, &worst);
         look_at_kink(v, k, places, turns, &worst);
+        worst.piece = k;
         if (excess_of(v, &worst) >= 0) found[count++] = worst;
     }
     return count;

@@ -169,6 +169,20 @@ static tides_status ask_swaps(const td_visit *v, int may_ask, int *doubts, tides
     return status;
 }
 
+/* The number of levels that approaches leave in doubt if none is looked up. A signal that stays beside a level over several
+ * pieces is one doubt. */
+static int count_doubts(const td_visit *v, const td_approach *near, int count) {
+    int doubts = 0, passed = -1, piece = -1;
+    for (int k = 0; k < count; k++) {
+        if (near[k].left > near[k].error + v->model.floor) continue;
+        const int changes = td_changes_until(v, near[k].s);
+        doubts += changes != passed || near[k].piece != piece + 1;
+        passed = changes;
+        piece = near[k].piece;
+    }
+    return doubts;
+}
+
 /* Requests look-ups at all places that aren't known well enough. `*asked` is 1 if there were any, `*doubts` the number of
  * levels that stay in doubt. */
 static tides_status judge(td_visit *v, int *asked, int *doubts, tides_error *error) {
@@ -181,12 +195,9 @@ static tides_status judge(td_visit *v, int *asked, int *doubts, tides_error *err
     const int count = td_find_approaches(v, near, MOST_APPROACHES, doubts);
     tides_status status = may_ask ? ask_ends(v, error) : TIDES_OK;
     if (status == TIDES_OK && may_ask) status = ask_changes(v, error);
-    for (int k = 0; k < count && status == TIDES_OK; k++) {
-        if (may_ask && near[k].doubt > v->model.floor)
-            status = ask(v, near[k].s, error);
-        else
-            *doubts += near[k].left <= near[k].error + v->model.floor;
-    }
+    for (int k = 0; k < count && may_ask && status == TIDES_OK; k++)
+        if (near[k].doubt > v->model.floor) status = ask(v, near[k].s, error);
+    *doubts += count_doubts(v, near, count);
     if (status == TIDES_OK) status = ask_swaps(v, may_ask, doubts, error);
     *asked = batch->points > before;
     if (!*asked) return status;
@@ -252,13 +263,17 @@ static tides_status sample(const td_visit *v, int n, double late, tides_error *e
     return td_solve_sample(&v->portion->solve, &one, error);
 }
 
-/* 1 where an error of the model may undo the event. */
-static int is_uncertain(const td_visit *v, int n) {
+/* Where a level is in doubt, one event too many or too few takes the pixel's next event with it: the signal comes back to the
+ * level, or goes on to another from the wrong reference. */
+enum { WITH_NEXT = 2 };
+
+/* The number of events that are in doubt where an error of the model may undo event n: none, itself, or the next one too. */
+static int doubts_of(const td_visit *v, int n) {
     int touches;
     const td_worth *at = &v->worth[n];
     const double error = td_timing_together(at->error, v->model.floor);
     const double reach = td_timing_reach(at->slope, at->bend, error, &touches);
-    return touches || (ends_run(v) && reach >= 1 - v->changes.change[n].s);
+    return touches ? WITH_NEXT : ends_run(v) && reach >= 1 - v->changes.change[n].s;
 }
 
 /* Notes the events of a settled step: how many are uncertain, and candidates for the sample. Events of noise have times of
@@ -268,11 +283,11 @@ static tides_status note_events(td_visit *v, int doubts, tides_error *error) {
     tides_status status = TIDES_OK;
     double residual;
     portion->timing.uncertain +=
-        (uint64_t)(doubts + (ends_run(v) && left_at(v, 1, &residual) <= v->model.end + v->model.floor));
+        (uint64_t)(WITH_NEXT * doubts + (ends_run(v) && left_at(v, 1, &residual) <= v->model.end + v->model.floor));
     for (int k = 0; k < v->changes.count && status == TIDES_OK; k++) {
         if (!v->changes.change[k].fired) continue;
         const double late = waited(v, &v->changes.change[k]);
-        portion->timing.uncertain += (uint64_t)(!(late > 0) && is_uncertain(v, k));
+        portion->timing.uncertain += late > 0 ? 0 : (uint64_t)doubts_of(v, k);
         portion->solve.events += (uint64_t)(v->nodes > 0);
         status = sample(v, k, late, error);
     }
