@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Swaps of a tile that are listed each by itself; the rest is summed. */
-enum { MOST_APART = 4096 };
+enum { MOST_APART = 512 };
 
 td_swap_sum *td_swaps_sum(const td_swap_tile *tile, int32_t part, float wide) {
     td_swap_portion *in = tile->portion;
