@@ -128,8 +128,9 @@ static double least_of(const pair *of, int block, const form *f, const form *g) 
 static int find_lights(const pair *of, int k, double s, unsigned blocks, double light[TD_TILE_BLOCKS]) {
     form f, g;
     const td_image *image = of->tile->image;
+    const td_swap_samples *at = of->tile->at;
     const int lens = td_lens_model(image);
-    if (!lens && (!find_form(image, of->tile->at, of->a, k, s, &f) || !find_form(image, of->tile->at, of->b, k, s, &g))) return 0;
+    if (!lens && (!find_form(image, at, of->a, k, s, &f) || !find_form(image, at, of->b, k, s, &g))) return 0;
     for (int i = 0; i < TD_TILE_BLOCKS; i++)
         if (blocks >> i & 1)
             light[i] = of->contrast * (lens ? of->a->opacity * of->b->opacity : td_exp(-least_of(of, i, &f, &g)));
@@ -148,7 +149,7 @@ static int find_taken(const pair *of, const td_swap_splat *splat, int k, double 
     return 1;
 }
 
-/* The same as find_lights, or somewhat more: in each block by the most that both splats take there. */
+/* Finds the light that a swap moves in each block, or somewhat more: by the most that both splats take there. */
 static int find_most_lights(const pair *of, int k, double s, int32_t part, double light[TD_TILE_BLOCKS]) {
     if (!find_taken(of, of->a, k, s, part) || !find_taken(of, of->b, k, s, part)) return 0;
     const double *a = of->a->taken->share, *b = of->b->taken->share;
