@@ -69,13 +69,11 @@ static tides_status read_aedat2(td_event_stream *stream, tides_event *events, si
     return TIDES_OK;
 }
 
-static void close_aedat2(td_event_stream *stream) { (void)stream; }
-
 const td_event_format td_format_aedat2 = {
     .name = "aedat2",
     .summary = "AEDAT 2 (jAER, v2e) of DAVIS sensors",
     .detect = detect_aedat2,
     .open = open_aedat2,
     .read = read_aedat2,
-    .close = close_aedat2,
+    .close = td_event_close_state,
 };

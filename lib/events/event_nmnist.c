@@ -36,13 +36,11 @@ static tides_status read_nmnist(td_event_stream *stream, tides_event *events, si
     return TIDES_OK;
 }
 
-static void close_nmnist(td_event_stream *stream) { (void)stream; }
-
 const td_event_format td_format_nmnist = {
     .name = "nmnist",
     .summary = "N-MNIST and N-Caltech101",
     .detect = detect_nmnist,
     .open = open_nmnist,
     .read = read_nmnist,
-    .close = close_nmnist,
+    .close = td_event_close_state,
 };

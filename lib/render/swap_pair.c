@@ -96,16 +96,17 @@ static double least_in(const form *f, const form *g, double x0, double y0) {
 
 /* The blocks of a tile that both boxes touch, as bits. corner: the tile's first pixel. */
 static unsigned blocks_of(const td_swap_splat *a, const td_swap_splat *b, const int corner[2]) {
-    unsigned blocks = 0;
+    unsigned columns = 0, rows = 0;
     const double left = td_greater((double)a->box[0], (double)b->box[0]) - corner[0],
                  right = td_lesser((double)a->box[2], (double)b->box[2]) - corner[0];
     const double top = td_greater((double)a->box[1], (double)b->box[1]) - corner[1],
                  bottom = td_lesser((double)a->box[3], (double)b->box[3]) - corner[1];
-    for (int k = 0; k < TD_TILE_BLOCKS; k++) {
-        const int x = k % 4 * TD_BLOCK, y = k / 4 * TD_BLOCK;
-        if (left <= x + TD_BLOCK && right >= x && top <= y + TD_BLOCK && bottom >= y) blocks |= 1u << k;
+    for (int k = 0; k < TD_TILE / TD_BLOCK; k++) {
+        const int from = k * TD_BLOCK, to = from + TD_BLOCK;
+        if (left <= to && right >= from) columns |= 0x1111u << k;
+        if (top <= to && bottom >= from) rows |= 0xfu << 4 * k;
     }
-    return blocks;
+    return columns & rows;
 }
 
 /* Two splats of a tile, and where their swaps are stored. */
@@ -116,18 +117,44 @@ typedef struct pair {
     double contrast, slow;
 } pair;
 
-/* The light that a swap moves in a block of the tile, if both splats have these forms. NULL: their places aren't known, and
- * may be anywhere. */
-static double light_in(const pair *of, int block, const form *f, const form *g) {
+/* The least value of the sum of two forms in a block of the tile. */
+static double least_of(const pair *of, int block, const form *f, const form *g) {
     const int *corner = of->tile->corner;
-    if (!f) return of->contrast * of->a->opacity * of->b->opacity;
-    return of->contrast * td_exp(-least_in(f, g, corner[0] + block % 4 * TD_BLOCK, corner[1] + block / 4 * TD_BLOCK));
+    return least_in(f, g, corner[0] + block % 4 * TD_BLOCK, corner[1] + block / 4 * TD_BLOCK);
 }
 
-static void add_swap(td_swap_tile *tile, const td_swap *swap) {
-    td_swap_portion *to = tile->portion;
-    tile->status = td_reserve((void **)&to->swap, &to->swap_capacity, to->count + 1, sizeof *to->swap, tile->error);
-    if (tile->status == TIDES_OK) to->swap[to->count++] = *swap;
+/* Finds the light that a swap moves in blocks of the tile. Through a lens the splats' places aren't computed, and may be
+ * anywhere. Returns 0 if one is behind the camera. */
+static int find_lights(const pair *of, int k, double s, unsigned blocks, double light[TD_TILE_BLOCKS]) {
+    form f, g;
+    const td_image *image = of->tile->image;
+    const td_swap_samples *at = of->tile->at;
+    const int lens = td_lens_model(image);
+    if (!lens && (!find_form(image, at, of->a, k, s, &f) || !find_form(image, at, of->b, k, s, &g))) return 0;
+    for (int i = 0; i < TD_TILE_BLOCKS; i++)
+        if (blocks >> i & 1)
+            light[i] = of->contrast * (lens ? of->a->opacity * of->b->opacity : td_exp(-least_of(of, i, &f, &g)));
+    return 1;
+}
+
+/* Finds the most that a splat takes in each block of the tile, once for a part. */
+static int find_taken(const pair *of, const td_swap_splat *splat, int k, double s, int32_t part) {
+    static const form none;
+    td_swap_taken *taken = splat->taken;
+    form f;
+    if (taken->part == part) return 1;
+    if (!find_form(of->tile->image, of->tile->at, splat, k, s, &f)) return 0;
+    for (int i = 0; i < TD_TILE_BLOCKS; i++) taken->share[i] = td_exp(-least_of(of, i, &f, &none));
+    taken->part = part;
+    return 1;
+}
+
+/* Finds the light that a swap moves in each block, or somewhat more: by the most that both splats take there. */
+static int find_most_lights(const pair *of, int k, double s, int32_t part, double light[TD_TILE_BLOCKS]) {
+    if (!find_taken(of, of->a, k, s, part) || !find_taken(of, of->b, k, s, part)) return 0;
+    const double *a = of->a->taken->share, *b = of->b->taken->share;
+    for (int i = 0; i < TD_TILE_BLOCKS; i++) light[i] = of->contrast * a[i] * b[i];
+    return 1;
 }
 
 /* Place s of part k in the interval, and a part's length, in 1 / TD_SWAP_PARTS of the interval. */
@@ -138,21 +165,23 @@ static double per_part(const td_swap_samples *at, int k) {
     return TD_SWAP_PARTS * (td_swaps_length(at, k) / td_swaps_span(at));
 }
 
-/* Notes a swap at place s in part k, `wide` parts to either side, for each block that sees both splats. Through a lens the
- * splats' places aren't computed. */
+/* Notes a swap at place s in part k, `wide` parts to either side, for each block that sees both splats. */
 static void note_time(const pair *of, int k, double s, double wide) {
-    form f, g;
+    double light[TD_TILE_BLOCKS];
     const td_swap_samples *at = of->tile->at;
     const double lasts = wide * per_part(at, k);
     const long part = place_in(at, k, s);
-    const int lens = td_lens_model(of->tile->image);
     if (part < 1 || part >= TD_SWAP_PARTS || !(lasts < of->slow * TD_SWAP_PARTS)) return;
-    if (!lens && (!find_form(of->tile->image, at, of->a, k, s, &f) || !find_form(of->tile->image, at, of->b, k, s, &g))) return;
+    td_swap_sum *sum = td_swaps_sum(of->tile, (int32_t)part, (float)lasts);
+    const unsigned blocks = sum ? of->blocks & ~sum->whole : of->blocks;
+    if (!blocks) return;
+    if (sum && !td_lens_model(of->tile->image) ? !find_most_lights(of, k, s, (int32_t)part, light)
+                                               : !find_lights(of, k, s, blocks, light))
+        return;
     for (int i = 0; i < TD_TILE_BLOCKS && of->tile->status == TIDES_OK; i++) {
-        if (!(of->blocks >> i & 1)) continue;
-        const double light = light_in(of, i, lens ? NULL : &f, lens ? NULL : &g);
-        const td_swap swap = {of->tile->tile * TD_TILE_BLOCKS + i, (int32_t)part, (float)light, (float)lasts};
-        if (light >= TD_SWAP_LEAST_LIGHT) add_swap(of->tile, &swap);
+        if (!(blocks >> i & 1) || light[i] < TD_SWAP_LEAST_LIGHT) continue;
+        const td_swap swap = {of->tile->tile * TD_TILE_BLOCKS + i, (int32_t)part, (float)light[i], (float)lasts};
+        td_swaps_add(of->tile, &swap, sum);
     }
 }
 
@@ -183,12 +212,16 @@ static double reach(const double b[4], double level, double from, double to, int
     return 0.5 * (from + to);
 }
 
-/* Notes the zero of the cubic in [from, to], where it is monotone, if it has one. */
+/* Notes the zero of the cubic in [from, to], where it is monotone, if it has one. That of the former pair is tried first, since
+ * coplanar splats of one body all pass at one time. */
 static void note_level(const double b[4], double from, double to, double within, const pair *of, int k) {
     enum { HALVINGS = 24 };
+    static const double same = 0x1p-25;
+    double *s = &of->tile->zero;
     if ((value_of(b, from) < 0) == (value_of(b, to) < 0)) return;
-    const double s = reach(b, 0, from, to, HALVINGS);
-    note_time(of, k, s, within / fabs(slope_of(b, s)));
+    if (!(*s - same > from && *s + same < to) || (value_of(b, *s - same) < 0) == (value_of(b, *s + same) < 0))
+        *s = reach(b, 0, from, to, HALVINGS);
+    note_time(of, k, *s, within / fabs(slope_of(b, *s)));
 }
 
 /* The cubic's turning points within (0, 1), in order. */
@@ -196,7 +229,7 @@ static int turns_of(const double b[4], double turn[2]) {
     const double p = b[1] - b[0], q = b[2] - b[1], r = b[3] - b[2], a = p - 2 * q + r, half = q - p;
     const double inside = half * half - a * p;
     int count = 0;
-    if (!(inside > 0)) return 0;
+    if (!(inside > 0) || (p * q > 0 && q * r > 0)) return 0;
     const double far = -(half + (half < 0 ? -1 : 1) * sqrt(inside)), root[2] = {far / a, p / far};
     for (int i = 0; i < 2; i++)
         if (root[i] > 0 && root[i] < 1) turn[count++] = root[i];
@@ -264,7 +297,7 @@ static void note_fade(td_swap_tile *tile, const td_swap_splat *a, const form *f,
     const long part = place_in(tile->at, k, 0.5 * (begin + end));
     const td_swap swap = {tile->tile * TD_TILE_BLOCKS + block, (int32_t)part, (float)light, (float)wide};
     if (part < 1 || part >= TD_SWAP_PARTS || !(wide > 0 && wide < TD_SWAP_SLOW * TD_SWAP_PARTS)) return;
-    if (light >= TD_SWAP_LEAST_LIGHT && tile->status == TIDES_OK) add_swap(tile, &swap);
+    if (light >= TD_SWAP_LEAST_LIGHT && tile->status == TIDES_OK) td_swaps_add(tile, &swap, NULL);
 }
 
 void td_swaps_look_at_fade(td_swap_tile *tile, const td_swap_splat *a) {

@@ -132,6 +132,7 @@ static tides_status take_splats(const tides_renderer *renderer, td_swap_tile *of
     td_swap_portion *to = of->portion;
     const int tile = of->tile, *first = renderer->candidates.first, *list = renderer->candidates.list;
     const size_t each = 2 * ((size_t)of->at->parts + 1);
+    double darkest = INFINITY, brightest = 0;
     int group = 0, some = 0, most = TD_MAY_NOT;
     *count = *bodies = *within = 0;
     for (int i = first[tile]; i < first[tile + 1]; i++) {
@@ -149,13 +150,20 @@ static tides_status take_splats(const tides_renderer *renderer, td_swap_tile *of
     if (status == TIDES_OK)
         status = td_renew((void **)&to->order, &to->order_capacity, (size_t)some, sizeof *to->order, of->error);
     if (status == TIDES_OK)
+        status = td_renew((void **)&to->taken, &to->taken_capacity, (size_t)some, sizeof *to->taken, of->error);
+    if (status == TIDES_OK)
         status = td_renew((void **)&to->depth, &to->depth_capacity, (size_t)some * each, sizeof *to->depth, of->error);
     for (int i = first[tile]; i < first[tile + 1] && status == TIDES_OK; i++) {
         if (list[i] < 0 || swaps->may[list[i]] == TD_MAY_NOT) continue;
-        take_splat(renderer, swaps, of->at, list[i], to->depth + (size_t)*count * each, &to->splat[*count]);
-        to->order[*count] = &to->splat[*count];
-        ++*count;
+        td_swap_splat *own = &to->splat[*count];
+        take_splat(renderer, swaps, of->at, list[i], to->depth + (size_t)*count * each, own);
+        own->taken = &to->taken[*count];
+        own->taken->part = 0;
+        to->order[(*count)++] = own;
+        darkest = td_lesser(darkest, own->luminance - own->varies);
+        brightest = td_greater(brightest, own->luminance + own->varies);
     }
+    of->most_light = (float)(brightest - darkest);
     return status;
 }
 
@@ -260,6 +268,11 @@ tides_status td_swaps_look_in(const tides_renderer *renderer, const struct td_sw
                        .at = at,
                        .tile = tile,
                        .corner = {tile % across * TD_TILE, tile / across * TD_TILE},
+<<<<<<< HEAD
+=======
+                       .contrast = renderer->store.sh_stride > 3 ? by_view : 0,
+                       .before = portion->count,
+>>>>>>> n5
                        .status = TIDES_OK,
                        .error = &portion->error};
     tides_status status = swaps->some_may ? look_at_pairs(renderer, &of) : TIDES_OK;

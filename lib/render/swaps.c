@@ -67,6 +67,7 @@ void td_swaps_destroy(struct td_swaps *swaps) {
         free(swaps->portion[k].splat);
         free(swaps->portion[k].order);
         free(swaps->portion[k].depth);
+        free(swaps->portion[k].taken);
     }
     free(swaps->portion);
     free(swaps->mover);

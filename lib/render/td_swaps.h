@@ -28,6 +28,12 @@ typedef struct td_swap_move {
     double mean[3], rate[3];
 } td_swap_move;
 
+/* The most that a splat takes of the light in each block of its tile, at a part of the interval (0: not known). */
+typedef struct td_swap_taken {
+    int32_t part;
+    double share[TD_TILE_BLOCKS];
+} td_swap_taken;
+
 /* A Gaussian of a tile's list: its box, depths within the interval, and these and their rates at the samples (parts + 1). */
 typedef struct td_swap_splat {
     const float *box;
@@ -37,6 +43,7 @@ typedef struct td_swap_splat {
     int object, group, may;
     const td_swap_move *move; /* at the samples; NULL: it rests in its object */
     const double *z, *z_dot;
+    td_swap_taken *taken;
 } td_swap_splat;
 
 /* Samples for the search: parts of the interval, and views at their ends (parts + 1 x objects). */
@@ -51,15 +58,26 @@ typedef struct td_swap_samples {
 static inline double td_swaps_length(const td_swap_samples *at, int k) { return at->time[k + 1] - at->time[k]; }
 static inline double td_swaps_span(const td_swap_samples *at) { return at->time[at->parts] - at->time[0]; }
 
+/* Swaps of a tile at one time that take about as long: the number of their sum in the list by block, below 0 where there is
+ * none, and the blocks in which these change all that they may. */
+typedef struct td_swap_sum {
+    int32_t part;
+    uint32_t length, whole;
+    int32_t at[TD_TILE_BLOCKS];
+} td_swap_sum;
+
 /* A portion of the tiles, which one thread searches: its swaps, sorted by block, then time, and scratch of one tile. */
+enum { TD_SWAP_SUMS = 64 };
 typedef struct td_swap_portion {
+    td_swap_sum sum[TD_SWAP_SUMS];
     td_swap *swap; /* (count) */
     size_t count, swap_capacity;
     int tiles_cut;               /* tiles whose pairs were too many: fainter splats were left out */
     td_swap_splat *splat;        /* of a tile */
     const td_swap_splat **order; /* these, sorted */
     double *depth;               /* their depths and rates */
-    size_t splat_capacity, order_capacity, depth_capacity;
+    td_swap_taken *taken;
+    size_t splat_capacity, order_capacity, depth_capacity, taken_capacity;
     tides_status status;
     tides_error error;
 } td_swap_portion;
@@ -96,6 +114,9 @@ typedef struct td_swap_tile {
     const td_image *image;
     const td_swap_samples *at;
     int tile, corner[2]; /* corner: its first pixel */
+    float most_light;    /* of all that swaps at one time: the range of its splats' Y */
+    double zero;         /* the place in its part at which the last pair met */
+    size_t before;       /* swaps of the portion before this tile's */
     int is_full;         /* 1: there were more pairs than are checked */
     int is_cut;          /* 1: its fainter splats are left out for that */
     tides_status status;
@@ -143,6 +164,12 @@ TIDES_MUST_CHECK tides_status td_swaps_look_in(const tides_renderer *renderer, c
 /* Works out the splats that motion models move at the samples (swap_movers.c). */
 TIDES_MUST_CHECK tides_status td_swaps_move(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at,
                                             tides_error *error);
+
+/* td_swaps_sum: the sum of a tile with many swaps to which one at this time is added; NULL: it is listed by itself.
+ * td_swaps_add adds it. What swaps at once is no matter of chance, so lights are added, up to all that splats of the tile may
+ * change (swap_list.c). */
+td_swap_sum *td_swaps_sum(const td_swap_tile *tile, int32_t part, float wide);
+void td_swaps_add(td_swap_tile *tile, const td_swap *swap, td_swap_sum *sum);
 
 /* Adds all swaps of two splats that take no more than this share to those of the tile's blocks (swap_pair.c). */
 void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b, double slow);

@@ -292,8 +292,8 @@ static tides_status read_splats(td_gltf *g, td_gaussians *gaussians) {
 }
 
 /* Parses scene `part`; NULL: the default scene. */
-static tides_status parse_part(const char *path, const void *data, size_t size, const char *part, int32_t lenient,
-                               td_gaussians *gaussians, tides_error *error) {
+tides_status td_gltf_parse(const char *path, const void *data, size_t size, const char *part, int32_t lenient,
+                           td_gaussians *gaussians, tides_error *error) {
     td_gltf g;
     tides_status status = td_gltf_open(&g, path, data, size, error);
     if (!status && part) status = td_gltf_choose(&g, part);
@@ -303,16 +303,12 @@ static tides_status parse_part(const char *path, const void *data, size_t size, 
     return status;
 }
 
-tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
-    return parse_part(path, data, size, NULL, 0, gaussians, error);
-}
-
 static tides_status read_part_of(const char *path, const char *part, int32_t lenient, td_gaussians *gaussians,
                                  tides_error *error) {
     char *data = NULL;
     size_t size = 0;
     tides_status status = td_read_file(path, SIZE_MAX - 1, &data, &size, error);
-    if (!status) status = parse_part(path, data, size, part, lenient, gaussians, error);
+    if (!status) status = td_gltf_parse(path, data, size, part, lenient, gaussians, error);
     free(data);
     return status;
 }

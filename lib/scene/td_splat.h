@@ -56,9 +56,10 @@ tides_status td_sog_read_lod(const char *path, const char *part, td_gaussians *g
 tides_status td_sog_lod_files(const char *path, const char *part, td_folder *files, tides_error *error);
 int td_sog_is_lod(const char *path); /* 1 if the file's name is lod-meta.json */
 
-/* glTF, .glb or .gltf: its default scene; td_gltf_read reads the scene with name or number `part` (may be NULL).
- * td_gltf_files lists the files of its buffers, beside it or below, for any part. */
-tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+/* glTF, .glb or .gltf: the scene with name or number `part` (NULL: the default). td_gltf_files lists the files of its buffers,
+ * beside it or below, for any part. lenient: as td_gltf_read_leniently. */
+tides_status td_gltf_parse(const char *path, const void *data, size_t size, const char *part, int32_t lenient,
+                           td_gaussians *gaussians, tides_error *error);
 tides_status td_gltf_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
 /* Like td_gltf_read, but a splat whose opacity is out of range becomes NaN, so that it can be left out later. */
 tides_status td_gltf_read_leniently(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);

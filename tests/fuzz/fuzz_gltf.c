@@ -3,7 +3,7 @@
 
 /* A buffer beside it, which isn't there, is a refusal like others. */
 static tides_status parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
-    tides_status status = td_gltf_parse(path, data, size, gaussians, error);
+    tides_status status = td_gltf_parse(path, data, size, NULL, 0, gaussians, error);
     if (status == TIDES_FILE_NOT_FOUND) status = error->status = TIDES_BAD_FILE;
     return status;
 }

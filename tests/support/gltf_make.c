@@ -95,3 +95,7 @@ scene_bytes gltf_glb_of(scene_bytes json, scene_bytes chunk) {
 }
 
 scene_bytes gltf_glb(const gltf_recipe *r) { return gltf_glb_of(gltf_text(r, ""), gltf_binary(r)); }
+
+tides_status gltf_parse(const char *path, const void *data, size_t size, td_gaussians *g, tides_error *error) {
+    return td_gltf_parse(path, data, size, NULL, 0, g, error);
+}

@@ -25,4 +25,7 @@ scene_bytes gltf_text(const gltf_recipe *r, const char *buffer);
 scene_bytes gltf_glb_of(scene_bytes json, scene_bytes chunk);
 scene_bytes gltf_glb(const gltf_recipe *r);
 
+/* td_gltf_parse of the default scene, refusing what is out of range. */
+tides_status gltf_parse(const char *path, const void *data, size_t size, td_gaussians *g, tides_error *error);
+
 #endif

@@ -17,7 +17,7 @@
 
 static td_gaussians parsed(const gltf_recipe *r) {
     scene_bytes b = gltf_glb(r);
-    td_gaussians g = splat_parse(td_gltf_parse, &b);
+    td_gaussians g = splat_parse(gltf_parse, &b);
     free(b.data);
     return g;
 }
@@ -91,7 +91,7 @@ static void quantised(void **state) {
             for (int c = 0; c < 3; c++) splat_float(&chunk, (float)(i + 1) / (float)(c + 1));
         }
         scene_bytes b = gltf_glb_of(words, chunk);
-        td_gaussians g = splat_parse(td_gltf_parse, &b);
+        td_gaussians g = splat_parse(gltf_parse, &b);
         for (int i = 0; i < 2; i++) {
             const double mean[3] = {-3, 2, 5 + i}, turn[4] = {i, 0, 0, !i}, opacity = 0.2 * (i + 1);
             const double logit = log(opacity / (1 - opacity)), dc[3] = {i + 1, (i + 1) / 2.0, (i + 1) / 3.0};
@@ -123,7 +123,7 @@ static void early_drafts(void **state) {
         }
     }
     scene_bytes b = gltf_glb_of(gltf_text(&r, ""), chunk);
-    td_gaussians g = splat_parse(td_gltf_parse, &b);
+    td_gaussians g = splat_parse(gltf_parse, &b);
     for (int i = 0; i < GLTF_COUNT; i++) {
         const double dc[3] = {-0.25 / 0.28209479177387814, 0, 0.25 / 0.28209479177387814}, logit = 0;
         splat_near("dc", g.sh + 3 * i, dc, 3, 1e-6);
@@ -202,7 +202,7 @@ static void load_and_check(const char *path) {
     tides_error error = {0, ""};
     assert_int_equal(tides_scene_is_file(path), 1);
     data = scene_file_read(path, &size);
-    scene_expect_ok(td_gltf_parse(path, data, size, &g, &error), &error);
+    scene_expect_ok(gltf_parse(path, data, size, &g, &error), &error);
     check_turned(&g, 1, 1e-6);
     td_gaussians_free(&g);
     free(data);
@@ -269,7 +269,7 @@ static void compressed(void **state) {
         scene_bytes_add(&json, text, strlen(text));
         scene_bytes_add(&chunk, data, size);
         scene_bytes b = gltf_glb_of(json, chunk);
-        td_gaussians g = splat_parse(td_gltf_parse, &b);
+        td_gaussians g = splat_parse(gltf_parse, &b);
         const tides_gaussians view = td_gaussians_view(&alone);
         assert_true(scene_same(&g, &view));
         td_gaussians_free(&g);

@@ -97,10 +97,10 @@ static void refused(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         scene_bytes b = gltf_glb(&(gltf_recipe){.degree = 1, .find = cases[i].find, .replacement = cases[i].replacement});
         if (cases[i].status == TIDES_OK) {
-            td_gaussians g = splat_parse(td_gltf_parse, &b);
+            td_gaussians g = splat_parse(gltf_parse, &b);
             td_gaussians_free(&g);
         } else
-            splat_refused(td_gltf_parse, &b, cases[i].status, cases[i].words);
+            splat_refused(gltf_parse, &b, cases[i].status, cases[i].words);
         free(b.data);
     }
 }
@@ -108,22 +108,22 @@ static void refused(void **state) {
 static void damaged(void **state) {
     (void)state;
     scene_bytes b = gltf_glb(&(gltf_recipe){.degree = 0});
-    splat_truncated(td_gltf_parse, &b);
+    splat_truncated(gltf_parse, &b);
     splat_patch(&b, 4, 1);
-    splat_refused(td_gltf_parse, &b, TIDES_UNSUPPORTED, "binary glTF of version 1");
+    splat_refused(gltf_parse, &b, TIDES_UNSUPPORTED, "binary glTF of version 1");
     splat_patch(&b, 4, 2);
     splat_patch(&b, 16, 5);
-    splat_refused(td_gltf_parse, &b, TIDES_BAD_FILE, "first chunk is no JSON");
+    splat_refused(gltf_parse, &b, TIDES_BAD_FILE, "first chunk is no JSON");
     splat_patch(&b, 12, (uint32_t)b.size - 16); /* by less than where it begins */
-    splat_refused(td_gltf_parse, &b, TIDES_BAD_FILE, "chunk 0 ends behind the file");
+    splat_refused(gltf_parse, &b, TIDES_BAD_FILE, "chunk 0 ends behind the file");
     splat_patch(&b, 12, 0x7fffffff);
-    splat_refused(td_gltf_parse, &b, TIDES_BAD_FILE, "chunk 0 ends behind the file");
+    splat_refused(gltf_parse, &b, TIDES_BAD_FILE, "chunk 0 ends behind the file");
     free(b.data);
     gltf_recipe r = {.degree = 0};
     scene_bytes chunk = gltf_binary(&r);
     splat_patch(&chunk, 40 * GLTF_COUNT, 0x40400000); /* an opacity of 3 */
     b = gltf_glb_of(gltf_text(&r, ""), chunk);
-    splat_refused(td_gltf_parse, &b, TIDES_BAD_FILE, "splat 0: its opacity is 3: must be from 0 to 1");
+    splat_refused(gltf_parse, &b, TIDES_BAD_FILE, "splat 0: its opacity is 3: must be from 0 to 1");
     free(b.data);
 }
 
