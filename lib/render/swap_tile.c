@@ -268,11 +268,7 @@ tides_status td_swaps_look_in(const tides_renderer *renderer, const struct td_sw
                        .at = at,
                        .tile = tile,
                        .corner = {tile % across * TD_TILE, tile / across * TD_TILE},
-<<<<<<< HEAD
-=======
-                       .contrast = renderer->store.sh_stride > 3 ? by_view : 0,
                        .before = portion->count,
->>>>>>> n5
                        .status = TIDES_OK,
                        .error = &portion->error};
     tides_status status = swaps->some_may ? look_at_pairs(renderer, &of) : TIDES_OK;
