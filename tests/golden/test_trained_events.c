@@ -1,4 +1,4 @@
-/* Events of a trained scene by default, against a run of the same library with steps of a tenth and a finer tolerance: playbot of
+/* Events of a trained scene by default, against a run with steps of a tenth and a finer tolerance: playbot of
  * $TIDES_SHARED/data, a turn a second. A signal that dips beyond a level and comes back, 0.36 ms before it crosses that level
  * for good, was taken for one crossing. Its looks had found a kink, and the dip was larger than they told (solve_doubts.c). */
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* [us]. A level is met at 1e-4 of a threshold's usual slope here and there, where looks are accurate to 5e-7 of log_luminance. */
+/* [us]. Here and there a level is met at a thousandth of the usual slope, and looks are accurate to 5e-7 of log_luminance. */
 #define FLATTEST_US 2.0
 
 /* The events of a run of `scene`, with two more settings. */

@@ -53,8 +53,8 @@ static double excess_of(const td_visit *v, const td_approach *at) { return at->d
 static const double flat = 0.5;
 enum { LOOKS_BEFORE_FLAT = 3 };
 
-/* Share of a piece before a crossing in which its level doesn't count as a doubt. It is less than an eighth: most pieces end at a
- * crossing, and the last of their eighths is to count. A dip of 4 % of a threshold hid there (test_trained_events). */
+/* Share of a piece before a crossing in which its level doesn't count as a doubt. It is less than an eighth: most pieces end at
+ * a crossing, and the last of their eighths is to count. A dip of 4 % of a threshold hid there (test_trained_events). */
 static const double beside_crossing = 0.12;
 
 /* The polarity of the change that follows the first n changes, if its level doesn't count as a doubt at s of piece k, where the
