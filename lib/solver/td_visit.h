@@ -66,8 +66,8 @@ int td_is_blurred(const td_visit *v, int k);
  * number. *grazes: turns that are nearer to a level than looks are accurate. */
 int td_find_approaches(const td_visit *v, td_approach *found, int most, int *grazes);
 
-/* Finds places within swaps of depth that may decide whether a level is reached and haven't been looked at, `most` at most.
- * Returns their number. */
-int td_find_swaps(const td_visit *v, double *places, int most);
+/* Finds places within swaps of depth that may decide whether a level is reached and haven't been looked at. They are put behind
+ * `count` places that are to be looked up already, `most` in all. Returns how many there are then. */
+int td_find_swaps(const td_visit *v, double *places, int count, int most);
 
 #endif

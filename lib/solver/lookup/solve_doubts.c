@@ -216,16 +216,25 @@ void td_find_swapped(td_visit *v) {
  * quarter of `wide`. */
 static const double shows_swap = 0.5;
 
-/* 1 where the pixel has been looked at in both halves of a swap. */
-static int is_swap_seen(const td_visit *v, const td_swap_place *swap) {
-    int before = swap->s <= 0.5 * swap->wide, after = swap->s >= 1 - 0.5 * swap->wide; /* step ends within the swap show it */
-    for (int i = 0; i < v->nodes; i++) {
-        const double off = v->node[i].s - swap->s;
-        if (fabs(off) > swap->wide) continue;
-        before |= off <= 0.125 * swap->wide;
-        after |= off >= -0.125 * swap->wide;
-    }
-    return before && after;
+/* The halves of a swap that are known. Ends of the step within the swap show it. */
+typedef struct halves {
+    int before, after;
+} halves;
+
+/* A look at s is in a half, or in both where it is near the middle. */
+static void look_at_half(const td_swap_place *swap, double s, halves *seen) {
+    const double off = s - swap->s;
+    if (fabs(off) > swap->wide) return;
+    seen->before |= off <= 0.125 * swap->wide;
+    seen->after |= off >= -0.125 * swap->wide;
+}
+
+/* The halves of a swap that the pixel's looks show, or will show once the `count` places are looked up. */
+static halves halves_seen(const td_visit *v, const td_swap_place *swap, const double *places, int count) {
+    halves seen = {swap->s <= 0.5 * swap->wide, swap->s >= 1 - 0.5 * swap->wide};
+    for (int i = 0; i < v->nodes; i++) look_at_half(swap, v->node[i].s, &seen);
+    for (int i = 0; i < count; i++) look_at_half(swap, places[i], &seen);
+    return seen;
 }
 
 /* The most by which unit light of swaps moves log_luminance anywhere in the step, with room for rounding. */
@@ -293,17 +302,19 @@ int td_find_approaches(const td_visit *v, td_approach *found, int most, int *gra
     return count;
 }
 
-/* Swaps are looked at in both halves; from then on they are known as all else is. */
-int td_find_swaps(const td_visit *v, double *places, int most) {
+/* Swaps are looked at in both halves; from then on they are known as all else is. A look serves all swaps in whose halves it
+ * is: where two sheets pass each other, dozens overlap. */
+int td_find_swaps(const td_visit *v, double *places, int count, int most) {
     const td_refine_step *step = &v->s->refine.step[v->looked->step];
-    int count = 0;
     const double most_light = v->swaps > 0 ? most_moved(v) : 0;
     for (int i = 0; i < v->swaps && count + 2 <= most; i++) {
         const td_swap_place swap = td_solve_swap_place(v->s, step, &v->swap[i]);
         const double begin = swap.s - 0.5 * swap.wide, end = swap.s + 0.5 * swap.wide;
-        if (end <= 0 || begin >= 1 || is_swap_seen(v, &swap) || !may_swap_decide(v, &swap, most_light)) continue;
-        if (begin > 0) places[count++] = begin;
-        if (end < 1) places[count++] = end;
+        if (end <= 0 || begin >= 1) continue;
+        const halves seen = halves_seen(v, &swap, places, count);
+        if ((seen.before && seen.after) || !may_swap_decide(v, &swap, most_light)) continue;
+        if (!seen.before) places[count++] = begin;
+        if (!seen.after) places[count++] = end;
     }
     return count;
 }

@@ -156,16 +156,19 @@ static tides_status ask_changes(const td_visit *v, tides_error *error) {
     return status;
 }
 
-/* Requests places within swaps of depth. Where no more looks are allowed, they count as doubts. */
-static tides_status ask_swaps(const td_visit *v, int may_ask, int *doubts, tides_error *error) {
-    double places[TD_NODES_MAX];
-    const int count = td_find_swaps(v, places, TD_NODES_MAX);
+/* Requests places within swaps of depth. Points from `before` on are requested already in this round, and show swaps as well.
+ * Where no more looks are allowed, swaps count as doubts. */
+static tides_status ask_swaps(const td_visit *v, size_t before, int may_ask, int *doubts, tides_error *error) {
+    const td_solve_batch *batch = v->portion->solve.asks;
+    double places[2 * TD_NODES_MAX];
+    int asked = 0;
+    const int may = may_ask && v->nodes < TD_NODES_MAX;
+    for (size_t k = before; may && k < batch->points && asked < TD_NODES_MAX; k++)
+        if (batch->asked[k].s > 0 && batch->asked[k].s < 1) places[asked++] = batch->asked[k].s;
+    const int count = td_find_swaps(v, places, asked, asked + TD_NODES_MAX);
     tides_status status = TIDES_OK;
-    if (!may_ask || v->nodes == TD_NODES_MAX) {
-        *doubts += count > 0;
-        return status;
-    }
-    for (int k = 0; k < count && status == TIDES_OK; k++) status = ask(v, places[k], error);
+    if (!may) *doubts += count > asked;
+    for (int k = asked; may && k < count && status == TIDES_OK; k++) status = ask(v, places[k], error);
     return status;
 }
 
@@ -198,7 +201,7 @@ static tides_status judge(td_visit *v, int *asked, int *doubts, tides_error *err
     for (int k = 0; k < count && may_ask && status == TIDES_OK; k++)
         if (near[k].doubt > v->model.floor) status = ask(v, near[k].s, error);
     *doubts += count_doubts(v, near, count);
-    if (status == TIDES_OK) status = ask_swaps(v, may_ask, doubts, error);
+    if (status == TIDES_OK) status = ask_swaps(v, before, may_ask, doubts, error);
     *asked = batch->points > before;
     if (!*asked) return status;
     v->looked->looks++;
