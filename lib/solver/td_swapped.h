@@ -18,8 +18,8 @@ td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step
 
 /* The share of a swap that a cubic through both its ends doesn't show, `wide` cubics' lengths to either side of its middle. All
  * of a short one; of a long one what a kink of the curvature leaves, by the square of how fast the depths pass. A cubic misses
- * at most 0.17, 0.057, 0.016 of a swap of two faint splats, for `wide` 1, 2, 4 and wherever in the cubic it is; of two
- * of optical depth 1 0.25, 0.10, 0.034. Two opaque ones change within a shorter time, and more is missed: up to 0.9, 0.36, 0.18,
+ * at most 0.17, 0.057, 0.016 of a swap of two faint splats, for `wide` 1, 2, 4, wherever in the cubic it is; of two of
+ * optical depth 1 0.25, 0.10, 0.034. Two opaque ones change within a shorter time, and more is missed: up to 0.9, 0.36, 0.18,
  * which their looks must show. */
 static inline double td_solve_swap_unseen(double wide) {
     const double left = 0.3 / (wide * wide);
