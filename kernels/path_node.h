@@ -12,13 +12,10 @@ typedef struct td_node_sink {
     TD_GLOBAL td_real *beside; /* of td_paths_by_channels: green, blue and their rates; then `rows` has red */
 } td_node_sink;
 
-/* The splats whose row may be used. The projection scales splats wider than 2^24 px (2^48 px^2) down, so that their determinant
- * isn't their own. */
+/* The splats whose row may be used. */
 TD_INLINE td_mask td_node_holds(const td_shape *shape) {
-    const td_real wide = TD_REAL(281474976710656.0);
     td_lanes all = (shape->conic[0].d + shape->conic[2].d) + (shape->u.d + shape->v.d);
-    return shape->visible & ~shape->broken & ~td_is_broken(all) & (shape->a.v < wide) & (shape->c.v < wide) &
-           (shape->c.v > 0.0f) & (shape->det.v > 0.0f);
+    return shape->visible & ~shape->broken & ~td_is_broken(all) & (shape->c.v > 0.0f) & (shape->det.v > 0.0f);
 }
 
 TD_INLINE void td_node_lay(const td_shape *shape, td_dual luminance, td_lanes entry[TD_PATH_STRIDE]) {

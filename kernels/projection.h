@@ -198,14 +198,14 @@ TD_INLINE void td_row_times(td_dual a[3], td_lanes factor) {
 
 /* A splat may be so wide [px] that its determinant, a product of four such lengths, overflows single precision: from 2^32 px
  * on, earlier for rates. If A is beyond 2^25 px it is multiplied by `shrink`, a power of two, which rounds nothing; the results
- * are multiplied by its inverse `grow` later. Returns 1 where a lane needs it. Beyond 2^60 px conics would overflow too, and
- * the splat is broken. */
+ * are multiplied by its inverse `grow` later. Returns 1 where a lane needs it, which none does in double precision: there the
+ * determinant is the splat's own. Beyond 2^60 px conics would overflow single precision, too, and the splat is broken. */
 TD_INLINE int td_shrink_wide(td_shape *shape, td_matrix23 *a, td_lanes *shrink, td_lanes *grow) {
     const td_real wide = TD_REAL(33554432.0), widest = TD_REAL(1152921504606846976.0); /* 2^25 and 2^60 */
     td_lanes largest = td_largest_entry(a->row[1], td_largest_entry(a->row[0], td_splat(0.0f)));
     td_mask needs = largest > wide;
     shape->broken = largest > widest;
-    if (!td_any(needs)) return 0;
+    if (sizeof(td_real) > sizeof(float) || !td_any(needs)) return 0;
     *shrink = td_select(td_splat(1.0f), td_inverse_power(td_clamp(largest, wide, widest)), needs);
     *grow = 1.0f / *shrink;
     td_row_times(a->row[0], *shrink);
