@@ -117,7 +117,7 @@ static trial_result run_one(const char *kind, unsigned long long seed, double sh
  * was the model's alone (leap 402), and a sample of 512 events, all of them better than that (stack 1104). A swap within a
  * body of 5.03 % of a step, in a tile of more than 128 splats (crowd 4020). A record path with the clamp of a keyframed colour
  * between two of its nodes: 960 false events (lamp 20001). Kinks that a look took for smooth, and beyond what a cut saw (lights
- * 9002; 9014 and 20002). */
+ * 9002; 9014, 20002 and 30022). */
 static void test_mended(void **state) {
     static const struct {
         const char *kind;
@@ -135,7 +135,8 @@ static void test_mended(void **state) {
                   {"harmonics", 1110, 1, 11000, 0}, {"near", 1110, 1, 12000, 0},  {"lights", 1113, 1, 85000, 0},
                   {"near", 2002, 1, 9000, 0},       {"stops", 3005, 1, 4500, 0},  {"leap", 402, 0.3, 80, 0},
                   {"stack", 1104, 1, 17000, 0},     {"crowd", 4020, 1, 7000, 0},  {"lamp", 20001, 1, 250000, 0},
-                  {"lights", 9002, 1, 30000, 0},    {"lights", 9014, 1, 9000, 0}, {"lights", 20002, 1, 90000, 0}};
+                  {"lights", 9002, 1, 30000, 0},    {"lights", 9014, 1, 9000, 0}, {"lights", 20002, 1, 90000, 0},
+                  {"lights", 30022, 1, 45000, 0}};
     (void)state;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         const trial_result result = run_one(scenes[i].kind, scenes[i].seed, scenes[i].share, scenes[i].coded);
