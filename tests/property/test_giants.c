@@ -133,6 +133,31 @@ static void test_wide_splats_cost_no_renders(void **state) {
     }
 }
 
+static size_t events_of(double size, int32_t solve) {
+    const double scales[3] = {size, 0.5 * size, 0.8 * size};
+    world w = make(scales, 1);
+    job j = {.device = "reference-f32", .scene = w.scene, .path = w.path, .camera = w.camera, .start = 0.01, .stop = 0.1};
+    tides_sensor_defaults(&j.sensor);
+    model_steps(&j.stepping);
+    j.stepping.solve = solve;
+    outcome o = run(&j);
+    const size_t count = o.count;
+    free_outcome(&o);
+    free_world(&w);
+    return count;
+}
+
+/* Looks at single pixels see a wide splat as frames do. They left out those above 2^24 px, from 1e6 units here: events came at
+ * both of its edges that were none. */
+static void test_looks_see_wide_splats(void **state) {
+    (void)state;
+    for (double size = 1e3; size < 1e16; size *= 1000) {
+        const size_t solved = events_of(size, TIDES_SOLVE_DOUBLE), drawn = events_of(size, TIDES_SOLVE_OFF);
+        assert_true(drawn > 100);
+        if (solved != drawn) fail_msg("a splat of %g: %zu events looked up, %zu of frames", size, solved, drawn);
+    }
+}
+
 /* Nor does a needle for what of it is far outside of the view, however fast that moves where the camera turns. From 1e6 px on
  * rounding of the rates asks for some. */
 static void test_long_needles_cost_no_renders(void **state) {
@@ -225,7 +250,9 @@ static void test_motions_are_named(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_wide_splats_are_as_in_double),
                                        cmocka_unit_test(test_wide_splats_cost_no_renders),
+                                       cmocka_unit_test(test_looks_see_wide_splats),
                                        cmocka_unit_test(test_long_needles_cost_no_renders),
-                                       cmocka_unit_test(test_giants_are_named), cmocka_unit_test(test_motions_are_named)};
+                                       cmocka_unit_test(test_giants_are_named),
+                                       cmocka_unit_test(test_motions_are_named)};
     return cmocka_run_group_tests_name("giants", tests, NULL, NULL);
 }
