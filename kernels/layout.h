@@ -92,6 +92,10 @@ enum {
 /* The pixels that may see a splat, columns or rows: the first + TD_SIGHT_END * the one behind the last. */
 enum { TD_SIGHT_END = 1 << 16 };
 
+/* Reals of a work-item's memory for points without curves: these have `most` rows at most, list entries so many `numbers`. */
+#define TD_INSTANT_REALS(most, numbers, lanes) \
+    ((size_t)(most) * ((size_t)(numbers) * ((size_t)(lanes) + 1) + 2) + ((size_t)(numbers) + 1) * (size_t)(lanes))
+
 #define TD_PATH_NEVER 1e30f /* the misfit of a splat that no cubic can follow, or that isn't always visible */
 #define TD_PATH_BENT 16.0f  /* above this misfit a path isn't smooth enough for twice as many nodes to help */
 /* clang-format on */

@@ -16,16 +16,10 @@ typedef struct td_instants {
 } td_instants;
 
 /* A work-item's memory: entries; the view of TD_LANES splats; what one point sees, a splat after the other; the depths of
- * these, and their order. */
+ * these, and their order: TD_INSTANT_REALS. */
 typedef struct td_instant_room {
     TD_GLOBAL td_real *entries, *view, *seen, *depth, *order;
 } td_instant_room;
-
-/* Reals of that memory. */
-TD_INLINE size_t td_instant_reals(const td_image *image, int most) {
-    const int room = td_point_room(image);
-    return (size_t)most * (size_t)(room + room / TD_LANES + 2) + (size_t)(room + TD_LANES);
-}
 
 TD_INLINE td_instant_room td_instant_rooms(const td_image *image, int most, TD_GLOBAL td_real *memory) {
     const int room = td_point_room(image);
@@ -103,7 +97,7 @@ TD_INLINE void td_instant_sort(const td_instant_room *to, int count) {
  * are left out (td_point_note). */
 TD_INLINE int td_instant_lay(const td_image *image, const td_instant_room *to, int seen, int lane) {
     const int room = td_point_room(image), numbers = room / TD_LANES;
-    const td_real reach = td_soft_order(image) ? (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth : 0;
+    const td_real beyond = td_point_beyond(image);
     td_real taken = 0, end = TD_POINT_NEVER;
     int count = 0;
     for (int i = 0; i < seen; i++) {
@@ -113,8 +107,7 @@ TD_INLINE int td_instant_lay(const td_image *image, const td_instant_room *to, i
         for (int k = 0; k < numbers; k++) to->entries[count * room + k * TD_LANES + lane] = splat[k];
         count++;
         taken += splat[TD_E_TAKES];
-        if (taken >= (td_real)TD_POINT_OPAQUE && end >= TD_POINT_NEVER && reach < 1)
-            end = depth * (TD_REAL(1.000001) * (1 + reach) / (1 - reach));
+        if (taken >= (td_real)TD_POINT_OPAQUE && end >= TD_POINT_NEVER && beyond > 0) end = depth * beyond;
     }
     return count;
 }

@@ -255,13 +255,19 @@ TD_INLINE td_mask td_point_within(TD_GLOBAL const int *place, const td_point_eye
            (eye->y > (td_real)(rows % TD_SIGHT_END)) & (eye->y < (td_real)(rows / TD_SIGHT_END));
 }
 
+/* The depth behind which nothing is seen, over that of the farthest splat that takes light; 0: soft order has no end. */
+TD_INLINE td_real td_point_beyond(const td_image *image) {
+    const td_real reach = td_soft_order(image) ? (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth : 0; /* td_is_near */
+    return reach < 1 ? TD_REAL(1.000001) * (1 + reach) / (1 - reach) : 0;
+}
+
 /* Takes note of what is seen of a splat. */
 TD_INLINE void td_point_note(const td_image *image, const td_point_entry *entry, td_mask sees, td_point_eye *eye) {
-    td_real reach = td_soft_order(image) ? (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth : 0; /* td_is_near */
+    const td_real beyond = td_point_beyond(image);
     eye->taken = eye->taken + entry->takes;
     eye->far = td_select(eye->far, entry->depth, sees & (entry->depth > eye->far));
     td_mask opaque = (eye->taken >= (td_real)TD_POINT_OPAQUE) & (eye->end >= TD_POINT_NEVER);
-    if (reach < 1) eye->end = td_select(eye->end, eye->far * (TD_REAL(1.000001) * (1 + reach) / (1 - reach)), opaque);
+    if (beyond > 0) eye->end = td_select(eye->end, eye->far * beyond, opaque);
 }
 
 /* Splats that are handled together, in several short loops. In one loop each splat would wait for its own chain of operations,

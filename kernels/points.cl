@@ -42,6 +42,15 @@ static td_point_paths td_paths_make(__global const td_real *curves, __global con
     return paths;
 }
 
+static td_point_backdrop td_backdrop_make(td_real first, td_real first_dot, td_real green, td_real blue) {
+    td_point_backdrop behind;
+    behind.first = first;
+    behind.first_dot = first_dot;
+    behind.green = green;
+    behind.blue = blue;
+    return behind;
+}
+
 /* Makes the arrays that points read, for the `count` Gaussians in `seen`. `own`: their paths; `own_sights`: their pixels.
  * Curve c, counted from `from` on, goes from row[2 c] to row[2 c + 1] in lengths[c] seconds. `depths` has a number for each
  * Gaussian, to sort by, and `records` has its tests. `path` and `sights` (2 x Gaussians) get paths and pixels, by Gaussian. */
@@ -301,10 +310,7 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
     what.entries = entries + (long)get_global_id(0) * rows * td_point_room(&image);
     what.values = values;
     what.count = chunk_count;
-    what.backdrop.first = backdrop;
-    what.backdrop.first_dot = backdrop_dot;
-    what.backdrop.green = green;
-    what.backdrop.blue = blue;
+    what.backdrop = td_backdrop_make(backdrop, backdrop_dot, green, blue);
     td_values_apart(image_buffer, &paths, &lists, &points, &what, turn);
 }
 
@@ -336,9 +342,6 @@ __kernel void td_point_instants(__constant const td_image *image_buffer, __globa
     what.entries = entries + (long)get_global_id(0) * room;
     what.values = values;
     what.count = count;
-    what.backdrop.first = backdrop;
-    what.backdrop.first_dot = backdrop_dot;
-    what.backdrop.green = green;
-    what.backdrop.blue = blue;
+    what.backdrop = td_backdrop_make(backdrop, backdrop_dot, green, blue);
     td_instants_apart(image_buffer, &of, &what, turn);
 }

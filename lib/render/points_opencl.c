@@ -237,9 +237,16 @@ static tides_status reserve_rooms(opencl_points *p, int chunks, size_t reals, si
     return td_buffer_reserve(p->device, &p->entries, *items * room, error);
 }
 
+/* Makes room for `count` points' values. No work-item has taken a turn. */
+static tides_status begin_values(opencl_points *p, size_t count, tides_error *error) {
+    static const cl_int nobody = 0;
+    tides_status status = td_buffer_write(p->device, &p->batch.turn, &nobody, sizeof nobody, error);
+    return status == TIDES_OK ? td_buffer_reserve(p->device, &p->batch.values, 2 * count * sizeof(cl_double) + 1, error)
+                              : status;
+}
+
 /* Sends points and chunks; columns follow one another at a distance of `stride`. */
 static tides_status send_batch(opencl_points *p, const td_points_batch *batch, size_t stride, tides_error *error) {
-    static const cl_int nobody = 0;
     const size_t column = stride * sizeof(cl_double), used = (size_t)batch->count * sizeof(cl_double);
     tides_status status = td_buffer_reserve(p->device, &p->batch.columns, TD_POINT_COLUMNS * column, error);
     for (size_t k = 0; k < TD_POINT_COLUMNS && batch->count > 0 && status == TIDES_OK; k++)
@@ -248,9 +255,7 @@ static tides_status send_batch(opencl_points *p, const td_points_batch *batch, s
     if (status == TIDES_OK)
         status = td_buffer_write(p->device, &p->batch.chunks, batch->chunks, (size_t)batch->chunk_count * sizeof *batch->chunks,
                                  error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->batch.turn, &nobody, sizeof nobody, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->batch.values, 2 * stride * sizeof(cl_double), error);
-    return status;
+    return status == TIDES_OK ? begin_values(p, stride, error) : status;
 }
 
 static tides_status launch_values(opencl_points *p, const td_points_batch *batch, size_t items, cl_int rows, cl_int stride,
@@ -335,11 +340,9 @@ static tides_status launch_instants(opencl_points *p, const td_points_instants *
 
 /* Points without curves, in the buffers of batches; their ends are in that of pieces. */
 static tides_status instants(td_points_engine *engine, const td_points_instants *points, double *out, tides_error *error) {
-    static const cl_int nobody = 0;
     opencl_points *p = (opencl_points *)engine;
     const size_t count = (size_t)points->count, column = count * sizeof(cl_double), lanes = (size_t)p->base.lanes;
-    const size_t most = (size_t)points->most, entry = entry_reals(p);
-    const size_t room = most * (entry * lanes + entry + 2) + entry * lanes + lanes; /* td_instant_reals */
+    const size_t room = TD_INSTANT_REALS(points->most, entry_reals(p), lanes);
     size_t items;
     tides_status status = reserve_rooms(p, (int)((count + lanes - 1) / lanes), room, &items, error);
     if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->batch.columns, 2 * column + 1, error);
@@ -348,8 +351,7 @@ static tides_status instants(td_points_engine *engine, const td_points_instants 
         status = td_buffer_write_at(p->device, &p->batch.columns, column, points->y, column, error);
     if (status == TIDES_OK && count > 0)
         status = td_buffer_write(p->device, &p->batch.piece, points->end, count * sizeof(cl_int), error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->batch.turn, &nobody, sizeof nobody, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->batch.values, 2 * column + 1, error);
+    if (status == TIDES_OK) status = begin_values(p, count, error);
     if (status == TIDES_OK) status = launch_instants(p, points, items, (cl_int)room, error);
     if (status == TIDES_OK && count > 0) status = td_buffer_read(p->device, &p->batch.values, out, 2 * column, error);
     return td_finish(p->device, status, error);

@@ -209,7 +209,7 @@ static tides_status finish(td_points_engine *engine, tides_error *error) {
 static tides_status instants(td_points_engine *engine, const td_points_instants *points, double *out, tides_error *error) {
     twin *t = (twin *)engine;
     const td_point_backdrop behind = backdrop_of(&points->backdrop);
-    const size_t room = td_instant_reals(&t->image, points->most);
+    const size_t room = TD_INSTANT_REALS(points->most, td_point_room(&t->image) / TD_LANES, TD_LANES);
     tides_status status = td_reserve((void **)&t->entries, &t->entry_capacity, room, sizeof *t->entries, error);
     if (status == TIDES_OK && points->count > 0) status = take_rows(t, points->exact, points->end[points->count - 1], error);
     const td_instants of = {t->rows, t->rows_beside, points->end, points->x, points->y, points->most};

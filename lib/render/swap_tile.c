@@ -3,7 +3,7 @@
 #include "td_extremes.h"
 #include "td_math.h"
 #include "td_swaps.h"
-#include "kernels/sh.h"
+#include "kernels/record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -55,9 +55,7 @@ static double luminance_in(const tides_renderer *renderer, const td_view *view, 
     const double per = 1 / td_greater(td_length3(from_eye), TD_SWAP_LEAST_LIGHT);
     const td_colour colour = td_sh_colour(td_dual_make(per * from_eye[0], 0), td_dual_make(per * from_eye[1], 0),
                                           td_dual_make(per * from_eye[2], 0), &source, td_sh_degree(&renderer->image));
-    double sum = 0;
-    for (int c = 0; c < 3; c++) sum += renderer->image.luminance[c] * colour.channel[c].v;
-    return sum;
+    return td_luminance_of(&colour, &renderer->image).v;
 }
 
 /* Takes a splat's luminance in the middle of the interval, and how far it is from that at the end. */

@@ -182,8 +182,8 @@ int td_renderer_points_rounded(const tides_renderer *renderer);
 /* 1 where colours change by themselves and are clamped at 0, so that they have kinks at times of their own. */
 int td_renderer_colours_bend(const tides_renderer *renderer);
 
-/* Computes points of the interval swept last without record paths: all that each may see is projected at its own time, at ten
- * times the cost. The difference is the error of record paths. */
+/* Computes points of the interval swept last without record paths: all that each may see is projected at its own time, which
+ * costs several times as much. The difference is the error of record paths. */
 tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                        size_t count, td_point_value *values, tides_error *error);
 
