@@ -112,6 +112,7 @@ typedef struct td_node_job {
 typedef struct td_path_terms {
     td_real tolerance; /* of log_luminance */
     td_real rounding;  /* relative, of one number */
+    td_real place;     /* rounding of the camera's place [scene units] */
 } td_path_terms;
 
 /* Far below any colour: the floor of methods that don't clamp colours. */

@@ -149,12 +149,15 @@ TD_INLINE td_lanes td_path_change(const td_path_splat *own, td_lanes own_a, td_l
     return td_fma(opacity * td_larger(alone * faint * faint, one), place, light);
 }
 
-/* Bound on the part of a change that comes from rounding of mean2d and of the covariance's entries. A needle at an angle is
- * sensitive to it. */
-TD_INLINE td_lanes td_path_noise(const td_path_splat *own, td_lanes own_a, td_real rounding) {
+/* Bound on the part of a change that comes from rounding of mean2d, of the covariance's entries, and of the camera's place. A
+ * needle at an angle is sensitive to the first, all splats are to the last where the camera is far from the origin. */
+TD_INLINE td_lanes td_path_noise(const td_path_splat *own, td_lanes own_a, const td_path_terms *terms, const td_image *image) {
+    const td_lanes near = terms->place / td_larger(own->depth.v, td_splat(image->near));
+    const td_lanes rounding = terms->rounding + near;
     td_lanes a = rounding * own_a, c = rounding * own->c.v;
     td_lanes inverse = 1.0f / own->det.v;
-    td_lanes u = rounding * own->u.v, v = rounding * own->v.v;
+    td_lanes u = td_fma(near, td_splat(image->fx), terms->rounding * td_size(own->u.v));
+    td_lanes v = td_fma(near, td_splat(image->fy), terms->rounding * td_size(own->v.v));
     td_lanes shift = td_sqrt((own->c.v * u * u + own_a * v * v) * inverse); /* without a conic, which would cancel */
     td_lanes shape = 2.0f * td_sqrt(a * c * inverse) + rounding;
     return td_size(own->opacity.v) * (shape + shift + rounding);
@@ -229,7 +232,7 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, TD_GLOBAL const
         td_path_change(&own, a.v, off.u.v, off.v.v, off.a.v, off.b.v, off.c.v, off.det.v, off.opacity.v, off.luminance.v, eps);
     td_lanes rate =
         td_path_change(&own, a.v, off.u.d, off.v.d, off.a.d, off.b.d, off.c.d, off.det.d, off.opacity.d, off.luminance.d, eps);
-    td_lanes stray = td_fma(td_splat(0.5f * h), rate, value), noise = td_path_noise(&own, a.v, terms->rounding);
+    td_lanes stray = td_fma(td_splat(0.5f * h), rate, value), noise = td_path_noise(&own, a.v, terms, image);
     td_lanes misfit = stray / (terms->tolerance / image->transfer.steepest + noise);
     td_mask there = (start[TD_P_DET] > 0.0f) & (own.det.v > 0.0f) & (end[TD_P_DET] > 0.0f);
     td_mask near = (path.det.v > 0.0f) & (path.c.v > 0.0f) & ~td_is_broken(misfit);

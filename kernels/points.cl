@@ -145,10 +145,10 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
  * asks_each, misfits[i + stride (k + 1)] is the misfit of its curve k. */
 TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows,
                                __global const td_real *beside, __global const int *first, td_share groups, int level,
-                               __global const td_real *lengths, int pieces, td_real target, td_real rounding,
+                               __global const td_real *lengths, int pieces, const td_path_terms *given,
                                __global td_real *misfits, int stride, int asks_each) {
     const td_image image = *image_buffer;
-    const td_path_terms terms = {target, rounding};
+    const td_path_terms terms = *given;
     for (int k = groups.first; k < groups.end; k += groups.step) {
         const int i = k * TD_LANES;
         const td_lanes worst = td_path_try_each(rows, beside, td_load_ints(first + i), level, pieces, lengths, &terms, &image,
@@ -160,9 +160,10 @@ TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global
 __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __global const td_real *rows,
                                     __global const td_real *beside, __global const int *first, int count, int level,
                                     __global const td_real *lengths, int pieces, td_real target, td_real rounding,
-                                    __global td_real *misfits, int stride, int asks_each) {
-    td_misfits_apart(image_buffer, rows, beside, first, td_share_of_groups(count), level, lengths, pieces, target, rounding,
-                     misfits, stride, asks_each);
+                                    td_real place, __global td_real *misfits, int stride, int asks_each) {
+    const td_path_terms terms = {target, rounding, place};
+    td_misfits_apart(image_buffer, rows, beside, first, td_share_of_groups(count), level, lengths, pieces, &terms, misfits,
+                     stride, asks_each);
 }
 
 /* A tile's list: its candidates that have paths, by depth, as `places` (TD_LIST_INTS x candidates); and their tests, made of

@@ -310,8 +310,8 @@ static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *er
 static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int level, int count, int each,
                             tides_error *error) {
     td_path_group *group = &nodes->group;
-    const td_points_misfits request = {nodes->exact, group->rows,         group->tried,  count,
-                                       level,        nodes->piece_length, nodes->pieces, TD_POINT_PATH_TARGET};
+    const td_points_misfits request = {nodes->exact,        group->rows,   group->tried,         count,       level,
+                                       nodes->piece_length, nodes->pieces, TD_POINT_PATH_TARGET, nodes->place};
     td_points_fit fit = group->fit;
     tides_status status = TIDES_OK;
     if (count == 0) return status;
@@ -442,6 +442,7 @@ tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajector
     int bent = nodes->pieces > 1;
     const int whole = !bent || !(span->start < span->stop) || is_tame(renderer);
     nodes->halve = NAN;
+    if (status == TIDES_OK) status = td_renderer_place_rounding(renderer, camera, span->start, &nodes->place, error);
     find_listed(renderer, span, nodes);
     if (status == TIDES_OK && whole) status = begin_whole(nodes, span->start, span->stop, error);
     if (status == TIDES_OK && whole) status = find_some(renderer, camera, engine, nodes, &bent, error);

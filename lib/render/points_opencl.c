@@ -59,7 +59,7 @@ static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, cons
                                    const td_points_misfits *request, cl_int asks_each, tides_error *error) {
     size_t local, global = td_even_items(p->base.lanes, request->count, &local);
     const cl_int count = request->count, level = request->level, pieces = request->pieces, stride = misfit_stride(request);
-    const cl_double target = request->target, rounding = DBL_EPSILON / 2;
+    const cl_double target = request->target, rounding = DBL_EPSILON / 2, place = request->place;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
                                      {rows, NULL, 0},
                                      {beside, NULL, 0},
@@ -70,6 +70,7 @@ static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, cons
                                      TD_VALUE_ARGUMENT(pieces),
                                      TD_VALUE_ARGUMENT(target),
                                      TD_VALUE_ARGUMENT(rounding),
+                                     TD_VALUE_ARGUMENT(place),
                                      TD_BUFFER_ARGUMENT(p->tried.misfits),
                                      TD_VALUE_ARGUMENT(stride),
                                      TD_VALUE_ARGUMENT(asks_each)};
@@ -423,7 +424,7 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
     const td_points_group nothing_added = {.row = none, .lengths = no_length, .seen = none, .path = none, .sights = none};
     const td_points_batch batch = {{no_length, no_length, no_length, no_length}, none, 0, NULL, 0, {0, 0, 0, 0}};
     const td_points_instants no_instants = {.most = 1};
-    const td_points_misfits nobody = {NULL, 1, none, 0, 1, no_length, 1, 1};
+    const td_points_misfits nobody = {NULL, 1, none, 0, 1, no_length, 1, 1, 0};
     td_buffer *misfit_buffers[] = {&p->tried.first, &p->tried.lengths, &p->tried.misfits};
     tides_status status = begin(&p->base, &interval, error);
     if (status == TIDES_OK) status = add(&p->base, &nothing_added, error);

@@ -61,7 +61,7 @@ static tides_status take_rows(twin *t, td_exact *exact, int count, tides_error *
 static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
                             tides_error *error) {
     twin *t = (twin *)engine;
-    const td_path_terms terms = {request->target, DBL_EPSILON / 2};
+    const td_path_terms terms = {request->target, DBL_EPSILON / 2, request->place};
     const size_t count = (size_t)request->count, tried = td_points_tried(request);
     double *each = td_alloc(tried, sizeof *each, error);
     if (!each) return TIDES_NO_MEMORY;

@@ -62,6 +62,7 @@ typedef struct td_point_nodes {
     double *knot;    /* (pieces + 1) ends of the pieces of the interval [s after the epoch] */
     int pieces;
     int joints;           /* number of joints of motions within the interval */
+    double place;         /* rounding of the camera's place in the interval [scene units] */
     double *piece_length; /* (pieces) [s] */
     int *path;            /* (store.count) first curve * TD_PATH_LEVELS + level; or TD_PATH_UNSEEN, ... */
     int *listed;          /* (listed_count) the Gaussians in a list, rising */

@@ -90,6 +90,7 @@ typedef struct td_points_misfits {
     const double *lengths; /* (pieces) [s] */
     int pieces;
     double target; /* allowed error of log_luminance */
+    double place;  /* rounding of the camera's place [scene units], which no curve follows */
 } td_points_misfits;
 
 /* Misfits of the previous level's cubics: how far they miss the rows in their middles, in units of the target. worst: of each

@@ -4,6 +4,9 @@
 #include "scene/td_scene.h"
 #include "td_renderer.h"
 
+#include <float.h>
+#include <math.h>
+
 static int clamps(const tides_object *object) {
     return !object->motion || td_motion_setting(object->motion, TD_PLAIN_COLOUR, 0) == 0;
 }
@@ -125,5 +128,16 @@ tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory 
          * read. */
         for (size_t k = objects; k-- > 0 && status == TIDES_OK;) views[k] = views[renderer->store.scene_object[k]];
     }
+    return status;
+}
+
+/* An object that is near the camera is as far from the origin. One that isn't is as far from the camera. */
+tides_status td_renderer_place_rounding(const tides_renderer *renderer, const tides_trajectory *camera, double time,
+                                        double *rounding, tides_error *error) {
+    tides_pose eye;
+    const tides_status status = eye_at(camera, renderer->epoch, time, &eye, error);
+    double most = 0;
+    for (int k = 0; k < 3 && status == TIDES_OK; k++) most = fmax(most, fabs(eye.position[k]));
+    *rounding = most * DBL_EPSILON;
     return status;
 }
