@@ -22,7 +22,7 @@ extern "C" {
 #define TIDES_VERSION_PATCH 0
 
 /* Raised whenever the events of an unchanged run file may change. */
-#define TIDES_NUMERICS 18
+#define TIDES_NUMERICS 19
 
 #if defined(__GNUC__)
 #define TIDES_API __attribute__((visibility("default")))
