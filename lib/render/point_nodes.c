@@ -442,7 +442,8 @@ tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajector
     int bent = nodes->pieces > 1;
     const int whole = !bent || !(span->start < span->stop) || is_tame(renderer);
     nodes->halve = NAN;
-    if (status == TIDES_OK) status = td_renderer_place_rounding(renderer, camera, span->start, &nodes->place, error);
+    if (status == TIDES_OK)
+        status = td_renderer_place_rounding(renderer, camera, span->start, span->stop, &nodes->place, error);
     find_listed(renderer, span, nodes);
     if (status == TIDES_OK && whole) status = begin_whole(nodes, span->start, span->stop, error);
     if (status == TIDES_OK && whole) status = find_some(renderer, camera, engine, nodes, &bent, error);

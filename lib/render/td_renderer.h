@@ -247,9 +247,10 @@ static inline int td_object_travels(const tides_object *object) {
 tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                tides_error *error);
 
-/* Rounding of the places that views at about this time are made of [scene units]. */
-tides_status td_renderer_place_rounding(const tides_renderer *renderer, const tides_trajectory *camera, double time,
-                                        double *rounding, tides_error *error);
+/* Rounding of the places that views in [start, stop] are made of [scene units], by the place at its start. 0 for an instant,
+ * whose pose a live run may have forgotten: nothing bends there. */
+tides_status td_renderer_place_rounding(const tides_renderer *renderer, const tides_trajectory *camera, double start,
+                                        double stop, double *rounding, tides_error *error);
 
 /* Sets the views of every slot to kept views (objects). */
 tides_status td_renderer_views_again(tides_renderer *renderer, const td_view *views, int slots, tides_error *error);

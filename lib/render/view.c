@@ -132,11 +132,11 @@ tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory 
 }
 
 /* An object that is near the camera is as far from the origin. One that isn't is as far from the camera. */
-tides_status td_renderer_place_rounding(const tides_renderer *renderer, const tides_trajectory *camera, double time,
-                                        double *rounding, tides_error *error) {
-    tides_pose eye;
-    const tides_status status = eye_at(camera, renderer->epoch, time, &eye, error);
+tides_status td_renderer_place_rounding(const tides_renderer *renderer, const tides_trajectory *camera, double start,
+                                        double stop, double *rounding, tides_error *error) {
+    tides_pose eye = {.position = {0}};
     double most = 0;
+    const tides_status status = start < stop ? eye_at(camera, renderer->epoch, start, &eye, error) : TIDES_OK;
     for (int k = 0; k < 3 && status == TIDES_OK; k++) most = fmax(most, fabs(eye.position[k]));
     *rounding = most * DBL_EPSILON;
     return status;
