@@ -145,13 +145,12 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
  * asks_each, misfits[i + stride (k + 1)] is the misfit of its curve k. */
 TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows,
                                __global const td_real *beside, __global const int *first, td_share groups, int level,
-                               __global const td_real *lengths, int pieces, const td_path_terms *given,
+                               __global const td_real *lengths, int pieces, const td_path_terms *terms,
                                __global td_real *misfits, int stride, int asks_each) {
     const td_image image = *image_buffer;
-    const td_path_terms terms = *given;
     for (int k = groups.first; k < groups.end; k += groups.step) {
         const int i = k * TD_LANES;
-        const td_lanes worst = td_path_try_each(rows, beside, td_load_ints(first + i), level, pieces, lengths, &terms, &image,
+        const td_lanes worst = td_path_try_each(rows, beside, td_load_ints(first + i), level, pieces, lengths, terms, &image,
                                                 misfits + stride + i, asks_each ? stride : 0);
         td_store_lanes(misfits + i, worst);
     }
